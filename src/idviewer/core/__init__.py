@@ -1,0 +1,44 @@
+"""Interior distances of triangle meshes: a library that needs no window.
+
+Source throughout: Rustamov, Lipman and Funkhouser, "Interior Distance Using Barycentric Coordinates",
+Symposium on Geometry Processing 2009; "the paper" in these pages.
+"""
+
+from idviewer.core.barycentroid import Barycentroid
+from idviewer.core.diagnosis import diagnose
+from idviewer.core.distances import DISTANCES, Diffusion, Distance, Euclidean
+from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
+from idviewer.core.io import read_mesh
+from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
+from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
+from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.plane import Plane
+from idviewer.core.samples import sample_names, sample_path
+from idviewer.core.slices import Section, section
+from idviewer.core.spectrum import Spectrum, eigenpairs
+
+__all__ = [
+    "COORDINATES",
+    "DISTANCES",
+    "Barycentroid",
+    "Diffusion",
+    "Distance",
+    "Euclidean",
+    "InteriorDistance",
+    "MeanValueCoordinates",
+    "Mesh",
+    "MeshError",
+    "Plane",
+    "Section",
+    "Spectrum",
+    "cotangent_laplacian",
+    "diagnose",
+    "eigenpairs",
+    "interior_distance",
+    "mean_value_weights",
+    "read_mesh",
+    "sample_names",
+    "sample_path",
+    "section",
+    "voronoi_areas",
+]

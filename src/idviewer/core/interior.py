@@ -1,0 +1,187 @@
+"""The interior distance: a boundary embedding carried inside by barycentric coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
+from idviewer.core.distances import Diffusion, Distance
+from idviewer.core.laplacian import voronoi_areas
+from idviewer.core.mean_value import MeanValueCoordinates, as_points
+from idviewer.core.mesh import Mesh
+from idviewer.core.spectrum import Spectrum, eigenpairs
+from idviewer.core.steps import finish
+
+Floats = NDArray[np.float64]
+
+COORDINATES = {MeanValueCoordinates.name: MeanValueCoordinates}
+"""Every kind of barycentric coordinates by its name."""
+
+
+class InteriorDistance:
+    """Distances between points inside a mesh.
+
+    The vertices are embedded so that their distances become Euclidean, v_i -> v_i*; an inner point goes
+    to p* = sum_i w_i(p) v_i* with barycentric coordinates w; and d(p, q) = |p* - q*|. Source: Rustamov,
+    Lipman and Funkhouser 2009, eq. 1.
+
+    Args:
+        mesh: n vertices.
+        distance: the boundary distance, the diffusion distance by default.
+        coordinates: the name of the barycentric coordinates.
+        rtol: largest error allowed, as a share of the largest boundary distance. The evaluation is
+            exact, which satisfies every rtol.
+        spectrum: eigenpairs computed before, to save computing them again.
+
+    Raises:
+        ValueError: unknown coordinates, or a negative rtol.
+        MeshError: the distance asks for more eigenpairs than the mesh carries.
+
+    >>> from idviewer.core import Euclidean, Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> solver = InteriorDistance(tetrahedron, distance=Euclidean())
+    >>> solver.distance([[0.1, 0.1, 0.1]], [[0.4, 0.5, 0.1]]).round(12).tolist()
+    [0.5]
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        distance: Distance | None = None,
+        coordinates: str = "mean_value",
+        rtol: float = 0.0,
+        spectrum: Spectrum | None = None,
+    ) -> None:
+        if coordinates not in COORDINATES:
+            raise ValueError(f"unknown coordinates {coordinates!r}; there are: {', '.join(COORDINATES)}")
+        if not 0.0 <= rtol < 1.0:
+            raise ValueError(f"rtol must lie in [0, 1), not {rtol}")
+        self.mesh = mesh
+        self.distance_kind: Distance = Diffusion() if distance is None else distance
+        self.rtol = rtol
+        self.coordinates = COORDINATES[coordinates](mesh)
+        if spectrum is None and self.distance_kind.spectral:
+            spectrum = eigenpairs(mesh, self.distance_kind.cutoff)
+        self._spectrum = spectrum
+        self.basis = self.distance_kind.basis(mesh, spectrum)
+        self.scale = self.distance_kind.scale(spectrum)
+        masses = voronoi_areas(mesh) if spectrum is None else spectrum.masses
+        self.centre = (masses @ self.basis) / masses.sum() * self.scale
+
+    @property
+    def spectrum(self) -> Spectrum:
+        """The eigenpairs used: .values (k,), .vectors (n, k)."""
+        if self._spectrum is None:
+            raise ValueError(f"the {self.distance_kind.title.lower()} uses no eigenpairs")
+        return self._spectrum
+
+    @property
+    def description(self) -> str:
+        """The distance's name and parameters in words."""
+        return self.distance_kind.describe(self._spectrum)
+
+    @property
+    def vertex_embedding(self) -> Floats:
+        """(n, k) the embedded vertices v_i*."""
+        return self.basis * self.scale
+
+    def embed(self, points: ArrayLike) -> Floats:
+        """Points carried into the embedding, p* = sum_i w_i(p) v_i*.
+
+        Args:
+            points: (p, 3).
+
+        Returns:
+            (p, k), NaN for points outside the mesh.
+        """
+        return finish(self.sample_steps(points)) * self.scale
+
+    def sample_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
+        """The basis at points, (p, k), before it is scaled; yields the share done every few milliseconds."""
+        return self.coordinates.interpolate_steps(points, self.basis)
+
+    def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
+        """Interior distance by eq. 1, |p* - q*|.
+
+        Args:
+            p: (p, 3) or (1, 3).
+            q: (p, 3) or (1, 3).
+
+        Returns:
+            (p,), NaN where a point is outside the mesh.
+        """
+        return np.linalg.norm(self.embed(p) - self.embed(q), axis=1)
+
+    def gram_distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
+        """Interior distance by eq. 2, the quadratic form of w(p) - w(q) with the Gram matrix A = Y^T Y.
+
+        The same number as `distance` by another route. A is applied, never formed.
+
+        Args:
+            p: (p, 3) or (1, 3).
+            q: (p, 3) or (1, 3).
+
+        Returns:
+            (p,), NaN where a point is outside the mesh.
+        """
+        difference = self.coordinates.weights(p) - self.coordinates.weights(q)
+        columns = self.vertex_embedding
+        applied = (difference @ columns) @ columns.T
+        return np.sqrt(np.maximum(np.einsum("pn,pn->p", difference, applied), 0.0))
+
+    def field(self, source: ArrayLike, points: ArrayLike) -> Floats:
+        """Distances from one source to many points.
+
+        Args:
+            source: (3,).
+            points: (p, 3).
+
+        Returns:
+            (p,), NaN for points outside the mesh.
+        """
+        return np.linalg.norm(self.embed(points) - self.embed(np.reshape(source, (1, 3))), axis=1)
+
+    def potential(self, points: ArrayLike) -> Floats:
+        """U(p), whose smallest value marks the barycentroid; section 7 of the paper.
+
+        The area-weighted mean of d^2(p, v_i) is U^2(p) plus a constant. U^2 = |p* - c|^2, c the
+        area-weighted mean of the v_i*; for spectral distances c = 0 and U^2 = w^T A w.
+
+        Args:
+            points: (p, 3).
+
+        Returns:
+            (p,), NaN for points outside the mesh.
+        """
+        return np.linalg.norm(self.embed(points) - self.centre, axis=1)
+
+    def barycentroid(self) -> Barycentroid:
+        """The point inside where the potential is smallest; see `idviewer.core.barycentroid`."""
+        return finish(barycentroid_steps(self))
+
+
+def interior_distance(mesh: Mesh, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
+    """Interior distances of point pairs; for many calls on one mesh keep an `InteriorDistance`.
+
+    Args:
+        mesh: n vertices.
+        p: (p, 3) or (1, 3).
+        q: (p, 3) or (1, 3).
+        distance: the boundary distance, the diffusion distance by default.
+
+    Returns:
+        (p,), NaN where a point is outside the mesh.
+
+    >>> from idviewer.core import read_mesh, sample_path
+    >>> hand = read_mesh(sample_path("hand_2k"))
+    >>> interior_distance(hand, hand.vertices[:1], hand.vertices[:1]).tolist()
+    [0.0]
+    """
+    points = np.concatenate([as_points(p), as_points(q)])
+    images = InteriorDistance(mesh, distance).embed(points)
+    count = len(as_points(p))
+    return np.linalg.norm(images[:count] - images[count:], axis=1)

@@ -1,0 +1,106 @@
+"""The one door for mesh files: what comes out is a Mesh, or a MeshError of one line."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+
+from idviewer.core._examination import examine
+from idviewer.core._polygons import Polygons
+from idviewer.core._readers import UnreadableError
+from idviewer.core._readers.gltf import read_glb, read_gltf
+from idviewer.core._readers.obj import read_obj
+from idviewer.core._readers.off import read_off
+from idviewer.core._readers.ply import read_ply
+from idviewer.core._readers.stl import read_stl
+from idviewer.core._readers.vtp import read_vtp
+from idviewer.core.diagnosis import Diagnosis, diagnosis_of
+from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.repair import mended
+
+_READERS: dict[str, Callable[[bytes], Polygons]] = {
+    ".off": read_off,
+    ".obj": read_obj,
+    ".ply": read_ply,
+    ".stl": read_stl,
+    ".glb": read_glb,
+    ".gltf": read_gltf,
+    ".vtp": read_vtp,
+}
+
+READABLE_SUFFIXES = tuple(_READERS)
+"""Suffixes of the files that can be read, in lower case and with their dot."""
+
+
+def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mesh:
+    """The mesh in a file: OFF, OBJ, PLY, STL, GLB, glTF or VTP, told by its suffix.
+
+    What can be mended is (see `idviewer.core.repair.repair`), and every repair is a sentence in the mesh's
+    notes. All objects of the file are read as one mesh; materials and textures are not looked at.
+
+    Args:
+        path: of the file.
+        component: which of several components to take, 1 for the largest.
+
+    Raises:
+        MeshError: there is no such file, it cannot be read, it is damaged, or what it holds is no closed
+            surface. The message is one line that names the file.
+    """
+    path = Path(path)
+    return mended(_polygons(path), path.stem, _told(path), component)
+
+
+def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
+    """Sizes of the mesh in a file and everything that is wrong with it, however unusable it is as a Mesh.
+
+    Raises:
+        MeshError: there is no such file, or it cannot be read, or it is damaged.
+    """
+    return diagnosis_of(examine(_polygons(Path(path))))
+
+
+def _polygons(path: Path) -> Polygons:
+    """What the file holds, unchecked."""
+    suffix = path.suffix.lower()
+    try:
+        _refuse(path.stat().st_mode, suffix)
+        data = path.read_bytes()
+        if not data.strip():
+            raise UnreadableError("the file is empty; export it again")
+    except UnreadableError as error:
+        raise MeshError(f"{_told(path)}: {error}") from error
+    except FileNotFoundError as error:
+        raise MeshError(f"{_told(path)}: there is no such file") from error
+    except (OSError, ValueError) as error:  # a name that no file can have is a ValueError
+        cause = getattr(error, "strerror", None) or error
+        raise MeshError(f"{_told(path)}: the file cannot be read ({cause})") from error
+    return _parsed(path, suffix, data)
+
+
+def _refuse(mode: int, suffix: str) -> None:
+    """Raise UnreadableError for what need not be opened at all."""
+    if stat.S_ISDIR(mode):
+        raise UnreadableError("this is a folder; name a mesh file in it")
+    if not stat.S_ISREG(mode):
+        raise UnreadableError("this is no ordinary file")
+    if suffix not in _READERS:
+        what = f"'{suffix}' files cannot be read" if suffix else "a suffix must tell the file's format"
+        raise UnreadableError(f"{what}; save it as one of {', '.join(_READERS)}")
+
+
+def _parsed(path: Path, suffix: str, data: bytes) -> Polygons:
+    kind = {".gltf": "glTF"}.get(suffix, suffix[1:].upper())
+    try:
+        return read_gltf(data, path.parent) if suffix == ".gltf" else _READERS[suffix](data)
+    except UnreadableError as error:
+        raise MeshError(f"{_told(path)}: not a whole {kind} file: {_told(error)}; export it again") from error
+    except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line
+        cause = _told(f"{type(error).__name__}: {error}")[:100]
+        raise MeshError(f"{_told(path)}: not a readable {kind} file ({cause}); export it again") from error
+
+
+def _told(thing: object) -> str:
+    """A path or a cause on one line, whatever it is made of."""
+    return "".join(letter if letter.isprintable() else "?" for letter in str(thing))

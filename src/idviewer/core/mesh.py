@@ -1,0 +1,144 @@
+"""The mesh that everything else computes on: closed, two-sided, in one piece, wound outward."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core._examination import Examination, examine
+from idviewer.core._findings import Finding
+from idviewer.core._mending import side_vectors, volume_and_area
+from idviewer.core._polygons import Polygons
+from idviewer.core._topology import Topology
+
+AnyArray = TypeVar("AnyArray", bound=np.ndarray)
+
+
+class MeshError(ValueError):
+    """A mesh that cannot be read or used; one line says what is wrong, how much of it, where, and what to do.
+
+    Attributes:
+        findings: what `diagnose` would report; empty if there was nothing to look at, as for a missing file.
+        components: faces of each component, the largest first, where the error is that there are several.
+    """
+
+    def __init__(
+        self, message: str, findings: tuple[Finding, ...] = (), components: tuple[int, ...] = ()
+    ) -> None:
+        super().__init__(message)
+        self.findings = findings
+        self.components = components
+
+    @classmethod
+    def about(cls, walk: Examination, name: str = "") -> MeshError:
+        """The error of an examination that found something fatal or, for a strict mesh, to repair."""
+        fatal = [finding for finding in walk.findings if finding.fatal]
+        if fatal:
+            # Components count only where choosing one is the way out.
+            parts = [finding.message for finding in fatal] + [fatal[0].remedy]
+            several = walk.component_sizes if len(walk.component_sizes) > 1 else ()
+        else:
+            parts = [finding.message for finding in walk.findings if not finding.kept]
+            parts, several = [*parts, "idviewer.core.repair mends this"], ()
+        message = "; ".join(part for part in parts if part)
+        return cls(f"{name}: {message}" if name else message, tuple(walk.findings), several)
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A closed, two-sided triangle mesh in one piece, wound outward.
+
+    The constructor takes copies, checks everything and repairs nothing; `idviewer.core.repair` and
+    `idviewer.core.read_mesh` make a Mesh of less perfect input. Vertices in which the surface touches itself
+    are accepted. Meshes compare by identity, and any thread may read them.
+
+    Attributes:
+        vertices: (n, 3) float64 points, read-only; every one belongs to a face.
+        faces: (m, 3) int64 vertex indices, counter-clockwise seen from outside, read-only.
+        name: for titles; file name without its suffix.
+        notes: the repairs that were made, one sentence each.
+
+    Raises:
+        MeshError: the surface is open, not manifold, one-sided, in several pieces, inside out, without
+            volume, ...
+
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> mesh = Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> round(mesh.volume, 4), len(mesh.edges)
+    (0.1667, 6)
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    name: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        try:
+            polygons = Polygons.of(self.vertices, self.faces)
+        except (TypeError, ValueError) as error:
+            raise MeshError(str(error)) from error
+        if len(polygons.sizes) and np.any(polygons.sizes != 3):
+            raise MeshError(
+                "faces must have the shape (m, 3); idviewer.core.repair cuts polygons into triangles"
+            )
+        walk = examine(polygons)
+        if walk.changed:
+            raise MeshError.about(walk, self.name)
+        self._fill(walk, self.notes)
+
+    @classmethod
+    def of_examination(cls, walk: Examination, name: str, notes: tuple[str, ...]) -> Mesh:
+        """The mesh that an examination without fatal findings leaves; it is not examined again."""
+        mesh = object.__new__(cls)
+        object.__setattr__(mesh, "name", name)
+        mesh._fill(walk, notes)
+        return mesh
+
+    def _fill(self, walk: Examination, notes: tuple[str, ...]) -> None:
+        object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(walk.vertices)))
+        object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(walk.faces)))
+        object.__setattr__(self, "notes", tuple(notes))
+
+    def __repr__(self) -> str:
+        return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) lowest and highest corner of the bounding box."""
+        return _frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """(e, 2) vertices of each edge, the lower index first, in ascending order."""
+        return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
+
+    @cached_property
+    def face_areas(self) -> NDArray[np.float64]:
+        """(m,) area of each face."""
+        _, b, c = side_vectors(self.vertices, self.faces)
+        return _frozen(np.linalg.norm(np.cross(b, c), axis=1) / 2)
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the surface."""
+        return float(self.face_areas.sum())
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume enclosed."""
+        return volume_and_area(self.vertices, self.faces)[0]
+
+
+def _frozen(array: AnyArray) -> AnyArray:
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,152 @@
+"""Planes, sections, slice meshes and rays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.core import shapes
+from tests.core.test_mean_value import BODIES, winding_numbers
+
+from idviewer.core.mesh import Mesh
+from idviewer.core.plane import Plane
+from idviewer.core.rays import Ray, crossings, middle_of_first_chord
+from idviewer.core.slice_mesh import inner_nodes, refined, slice_mesh, spacing_for
+from idviewer.core.slices import section
+
+
+def random_plane(mesh: Mesh, rng: np.random.Generator) -> Plane:
+    origin = mesh.bounds[0] + rng.uniform(0.2, 0.8, 3) * (mesh.bounds[1] - mesh.bounds[0])
+    return Plane(tuple(origin), tuple(rng.standard_normal(3)))
+
+
+def test_the_area_under_all_sections_is_the_volume():
+    """Cavalieri: the section's area, integrated along an axis, with Gauss points on each smooth piece."""
+    mesh = BODIES["L"]
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    heights, shares = (nodes + 1) / 2, weights / 2
+    areas = [section(mesh, Plane((0, 0, z), (0.0, 0.0, 1))).area for z in heights]
+    assert shares @ areas == pytest.approx(mesh.volume, rel=1e-12)
+    tilted = [section(mesh, Plane((0, y, 0), (0.0, 1.0, 0))).area for y in (0.5, 1.5)]
+    assert tilted == pytest.approx([2.0, 1.0], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_outline_points_lie_on_the_plane_and_carry_exact_values(name, rng):
+    mesh = BODIES[name]
+    for _ in range(10):
+        plane = random_plane(mesh, rng)
+        cut = section(mesh, plane)
+        np.testing.assert_allclose(plane.height(cut.points), 0, atol=1e-13 * mesh.diagonal)
+        np.testing.assert_allclose(cut.interpolate(mesh.vertices), cut.points, atol=1e-13 * mesh.diagonal)
+        assert sum(map(len, cut.loops)) <= len(cut.points)
+
+
+def test_a_plane_that_misses_gives_nothing():
+    cut = section(BODIES["cube"], Plane((0, 0, 5.0), (0, 0, 1.0)))
+    assert cut.loops == ()
+    assert cut.area == 0
+    assert len(slice_mesh(cut, 0.1).triangles) == 0
+
+
+@pytest.mark.parametrize("height", [0.0, 0.5, 1.0])
+def test_planes_through_vertices_and_faces_still_close(height):
+    """The plane of a face itself counts as touching from outside or as cutting just inside; never half."""
+    vertices, faces = shapes.subdivided(*shapes.cube())
+    cut = section(Mesh(vertices, faces), Plane((0, 0, height), (0, 0, 1.0)))
+    assert cut.area == pytest.approx(1.0 if height < 1 else 0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("name", ["L", "torus", "bumpy sphere"])
+@pytest.mark.parametrize("samples", [10, 100, 1000])
+def test_slice_meshes_fill_the_section_exactly(name, samples, rng):
+    mesh = BODIES[name]
+    for _ in range(5):
+        cut = section(mesh, random_plane(mesh, rng))
+        filled = slice_mesh(cut, spacing_for(cut, samples))
+        corners = filled.points[filled.triangles]
+        areas = (
+            0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ cut.plane.normal
+        )
+        assert areas.min() >= -1e-15 * cut.area
+        assert areas.sum() == pytest.approx(cut.area, rel=1e-9)
+        np.testing.assert_allclose(filled.points[: len(cut.flat)], cut.points, atol=0)
+        if len(filled.nodes):
+            assert (winding_numbers(mesh, filled.node_points) > 0.5).all()
+        np.testing.assert_array_equal(inner_nodes(cut, filled.spacing), filled.node_points)
+
+
+def test_every_side_but_the_outline_s_is_shared_by_two_triangles(rng):
+    cut = section(BODIES["torus"], Plane((0, 0, 0.05), (0.1, 0.2, 1.0)))
+    assert len(cut.loops) == 2
+    triangles = slice_mesh(cut, spacing_for(cut, 200)).triangles
+    sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2)
+    keys = {tuple(side) for side in sides.tolist()}
+    lonely = {(a, b) for a, b in keys if (b, a) not in keys}
+    outline = {
+        (a, b) for loop in cut.loops for a, b in zip(loop.tolist(), np.roll(loop, -1).tolist(), strict=True)
+    }
+    assert lonely == outline
+
+
+def test_finer_lattices_contain_the_coarser_ones(rng):
+    for _ in range(10):
+        cut = section(BODIES["bumpy sphere"], random_plane(BODIES["bumpy sphere"], rng))
+        spacing = spacing_for(cut, 60)
+        coarse = {tuple(node) for node in (2 * slice_mesh(cut, spacing).nodes).tolist()}
+        fine = {tuple(node) for node in slice_mesh(cut, spacing / 2).nodes.tolist()}
+        assert coarse <= fine
+
+
+def test_refining_keeps_the_area():
+    points = np.array([[0.0, 0], [2, 0], [0, 1], [2, 1]])
+    ends, triangles = refined(points, np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32))
+    points = np.concatenate([points, points[ends].mean(axis=1)])
+    sides = points[triangles][:, 1:] - points[triangles][:, :1]
+    areas = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    np.testing.assert_allclose(areas, 0.5)
+    assert len(points) == 9
+
+
+def test_planes_read_and_write_themselves():
+    bounds = np.array([[0.0, 0, 0], [2, 4, 8]])
+    assert Plane.parse("y=0.25", bounds) == Plane((1.0, 1.0, 4.0), (0, 1.0, 0))
+    plane = Plane.parse("1,2,3/0,3,4", bounds)
+    assert plane.normal == (0.0, 0.6, 0.8)
+    assert Plane.parse(str(plane), bounds) == plane
+    assert plane.moved(5.0).origin == pytest.approx((1, 5, 7))
+    np.testing.assert_allclose(plane.basis @ plane.basis.T, np.eye(2), atol=1e-15)
+    np.testing.assert_allclose(np.cross(*plane.basis), plane.normal, atol=1e-15)
+    assert Plane((0, 0, 0), (0, 0, 1e-200)).normal == (0, 0, 1)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "w=0.5", "x=", "x=nan", "1,2,3", "1,2/0,0,1", "0,0,0/0,0,0", "a,b,c/0,0,1"]
+)
+def test_planes_that_cannot_be_read_say_how_to_write_them(text):
+    with pytest.raises(ValueError, match=r"write x=0\.5") as caught:
+        Plane.parse(text, np.array([[0.0, 0, 0], [1, 1, 1]]))
+    assert "\n" not in str(caught.value)
+
+
+def test_rays_cross_a_cube_twice_and_a_shared_edge_once():
+    cube = BODIES["cube"]
+    met = crossings(cube, Ray((0.3, 0.4, -2.0), (0, 0, 2.0)))
+    np.testing.assert_allclose(met.distances, [1.0, 1.5])
+    np.testing.assert_allclose(met.points, [[0.3, 0.4, 0], [0.3, 0.4, 1]])
+    # Through the middle of a face, where its two triangles meet.
+    assert len(crossings(cube, Ray((0.5, 0.5, -2.0), (0, 0, 1.0))).distances) == 2
+    assert len(crossings(cube, Ray((5.0, 0.5, -2.0), (0, 0, 1.0))).distances) == 0
+    np.testing.assert_allclose(
+        middle_of_first_chord(cube, Ray((0.3, 0.4, -2.0), (0, 0, 1.0))), [0.3, 0.4, 0.5]
+    )
+    np.testing.assert_allclose(
+        middle_of_first_chord(cube, Ray((0.3, 0.4, 0.5), (0, 0, 1.0))), [0.3, 0.4, 0.75]
+    )
+    assert middle_of_first_chord(cube, Ray((5, 5, 5.0), (0, 0, 1.0))) is None
+
+
+def test_rays_meet_planes():
+    plane = Plane((0, 0, 1.0), (0, 0, 1.0))
+    assert Ray((0, 0, 3.0), (0, 0, -2.0)).meets(plane) == 1.0
+    assert Ray((0, 0, 3.0), (0, 0, 2.0)).meets(plane) is None
+    assert Ray((0, 0, 3.0), (1.0, 0, 0)).meets(plane) is None

@@ -1,0 +1,126 @@
+"""Laplacian and eigenpairs: theorems, closed forms, and a dense solver as a second opinion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+from tests.core import shapes
+
+import idviewer.core.spectrum as spectrum_module
+from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
+from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.spectrum import eigenpairs, paper_cutoff
+
+
+@pytest.fixture(scope="module")
+def sphere() -> Mesh:
+    return Mesh(*shapes.icosphere(4))
+
+
+def stretched(level: int = 2) -> Mesh:
+    vertices, faces = shapes.icosphere(level)
+    return Mesh(vertices * [1.0, 1.7, 2.9], faces)
+
+
+def test_the_laplacian_is_the_gradient_s_square():
+    """L = G^T A G with G the gradient on faces, written apart from the cotangents."""
+    mesh = stretched()
+    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+    normal = np.cross(b - a, c - a)
+    double_area = np.linalg.norm(normal, axis=1)
+    normal /= double_area[:, None]
+    energy = np.zeros((len(mesh.vertices),) * 2)
+    gradients = [np.cross(normal, edge) / double_area[:, None] for edge in (c - b, a - c, b - a)]
+    for i in range(3):
+        for j in range(3):
+            value = np.einsum("fi,fi->f", gradients[i], gradients[j]) * double_area / 2
+            np.add.at(energy, (mesh.faces[:, i], mesh.faces[:, j]), value)
+    np.testing.assert_allclose(cotangent_laplacian(mesh).toarray(), energy, atol=1e-12)
+
+
+def test_the_laplacian_of_a_linear_function_on_flat_ground_vanishes():
+    vertices, faces = shapes.subdivided(*shapes.subdivided(*shapes.cube()))
+    mesh = Mesh(vertices, faces)
+    inner = (np.sum((vertices == 0) | (vertices == 1), axis=1) == 1) & (vertices[:, 2] == 1)
+    assert inner.sum() > 5
+    np.testing.assert_allclose((cotangent_laplacian(mesh) @ vertices[:, 0])[inner], 0, atol=1e-14)
+
+
+def test_areas_add_up_and_match_voronoi_cells():
+    mesh = stretched()
+    areas = voronoi_areas(mesh)
+    assert (areas > 0).all()
+    assert areas.sum() == pytest.approx(mesh.area, rel=1e-13)
+    # On a regular grid of right triangles every inner vertex owns one square.
+    vertices, faces = shapes.subdivided(*shapes.subdivided(*shapes.cube()))
+    inner = (np.sum((vertices == 0) | (vertices == 1), axis=1) == 1) & (vertices[:, 2] == 1)
+    np.testing.assert_allclose(voronoi_areas(Mesh(vertices, faces))[inner], 1 / 16, rtol=1e-12)
+
+
+def test_the_spectrum_is_that_of_a_dense_solver(monkeypatch):
+    mesh = stretched(3)
+    masses = voronoi_areas(mesh)
+    values = scipy.linalg.eigh(cotangent_laplacian(mesh).toarray(), np.diag(masses), eigvals_only=True)
+    expected = values[1:][values[1:] < paper_cutoff(values[1])]
+    for dense in (0, 10**6):
+        monkeypatch.setattr(spectrum_module, "DENSE", dense)
+        np.testing.assert_allclose(eigenpairs(mesh).values, expected, rtol=1e-9)
+
+
+def test_eigenvectors_solve_the_equation_and_are_orthonormal(sphere):
+    spectrum = eigenpairs(sphere)
+    gram = spectrum.vectors.T @ (spectrum.masses[:, None] * spectrum.vectors)
+    np.testing.assert_allclose(gram, np.eye(len(spectrum.values)), atol=1e-12)
+    image = cotangent_laplacian(sphere) @ spectrum.vectors
+    expected = spectrum.masses[:, None] * spectrum.vectors * spectrum.values
+    error = np.linalg.norm((image - expected) / np.sqrt(spectrum.masses)[:, None], axis=0) / spectrum.values
+    assert error.max() < 1e-5
+    np.testing.assert_allclose(spectrum.masses @ spectrum.vectors, 0, atol=1e-12)
+
+
+def test_no_mode_of_a_sphere_is_missed_though_many_are_equal(sphere):
+    """l(l+1) comes 2l+1 times; all groups that lie clear of the cut-off must be whole."""
+    spectrum = eigenpairs(sphere, lambda lambda_2: 28 * lambda_2)
+    below = np.count_nonzero(np.linalg.eigvalsh(_shifted(sphere, 28 * spectrum.values[0])) < 0)
+    assert len(spectrum.values) == below - 1  # Sylvester: the inertia counts the constant mode too
+    degree = np.round((np.sqrt(1 + 4 * spectrum.values) - 1) / 2).astype(int)
+    counts = np.bincount(degree)[1:6]
+    np.testing.assert_array_equal(counts, [3, 5, 7, 9, 11])
+
+
+def _shifted(mesh: Mesh, shift: float) -> np.ndarray:
+    return cotangent_laplacian(mesh).toarray() - shift * np.diag(voronoi_areas(mesh))
+
+
+def test_eigenvalues_of_a_sphere_converge_at_second_order():
+    expected = np.array([2.0] * 3 + [6.0] * 5 + [12.0] * 7)
+    errors = []
+    for level in (2, 3, 4):
+        values = eigenpairs(Mesh(*shapes.icosphere(level)), lambda lambda_2: 8 * lambda_2).values
+        errors.append(np.abs(values[: len(expected)] / expected - 1).max())
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert (rates > 1.8).all(), (errors, rates)
+
+
+def test_the_paper_s_cut_off_keeps_modes_above_one_millionth():
+    assert np.exp(-paper_cutoff(0.37) / (8 * 0.37)) == pytest.approx(1e-6)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e6])
+def test_size_scales_the_spectrum(scale):
+    mesh = stretched(4)
+    scaled = eigenpairs(Mesh(mesh.vertices * scale, mesh.faces))
+    plain = eigenpairs(mesh)
+    np.testing.assert_allclose(scaled.values * scale**2, plain.values, rtol=1e-9)
+
+
+def test_a_mesh_too_coarse_for_the_distance_is_refused_in_one_line():
+    with pytest.raises(MeshError, match=r"about \d+ modes, more than a mesh of 2562 vertices") as caught:
+        eigenpairs(stretched(4), lambda lambda_2: 1e6 * lambda_2)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_smallest_meshes_keep_what_they_have():
+    spectrum = eigenpairs(Mesh(*shapes.tetrahedron()))
+    assert spectrum.vectors.shape == (4, 3)
