@@ -1,0 +1,241 @@
+"""What the user has before them: the state, what may be done to it, and who is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from idviewer.core import Mesh, Plane
+from idviewer.core.plane import AXES
+from idviewer.core.rays import Ray
+from idviewer.session.picking import FramePicker, Probe, Target, pick
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.runner import Runner, Work
+from idviewer.session.signal import Signal
+from idviewer.session.state import (
+    DropRequest,
+    Failure,
+    Finished,
+    Frame,
+    FrameRequest,
+    Opened,
+    OpenRequest,
+    Point,
+    Progress,
+    Ready,
+    Request,
+    Result,
+    State,
+)
+
+Post = Callable[[Callable[[], None]], None]
+
+
+class Session:
+    """Holds the state and has it computed. Every method and signal belongs to the owner's thread.
+
+    Args:
+        post: has a callable run in the owner's thread; called from the compute thread.
+        work: answers requests in the compute thread; a `Pipeline` by default.
+
+    Attributes:
+        state: the mesh, the query and the display.
+        frame: the last frame of this mesh; None until there is one.
+        ready: modes and barycentroid of this mesh; None until they are known.
+        busy: whether something is being computed or read.
+        changed: Signal(old, new) after each change of the state.
+        opened: Signal(mesh, path), after `changed`; path is None for a mesh handed over.
+        readied: Signal(ready), once for each mesh and distance.
+        framed: Signal(frame) for each frame to draw.
+        progressed: Signal(progress) while work goes on, Signal(None) when it ends.
+        failed: Signal(error) when something asked for could not be done.
+        acted: Signal(verb, arguments) for each call that a recording should hold.
+    """
+
+    def __init__(self, post: Post, work: Work | None = None) -> None:
+        self.state = State()
+        self.frame: Frame | None = None
+        self.ready: Ready | None = None
+        self.busy = False
+        self.changed, self.opened, self.readied, self.framed = Signal(), Signal(), Signal(), Signal()
+        self.progressed, self.failed, self.acted = Signal(), Signal(), Signal()
+        self._picker: FramePicker | None = None
+        self._opening: OpenRequest | None = None
+        self._asked: FrameRequest | None = None
+        self._cancelled = False
+        self._closed = False
+        self._runner = Runner(work or Pipeline().results, self._receive, post)
+
+    def open(self, path: str | Path, component: int | None = None) -> None:
+        """Read a mesh in the compute thread and show it; on failure everything stays as it was."""
+        self.acted.emit("open", {"path": str(path), "component": component})
+        self._opening = OpenRequest(Path(path), component)
+        self._start(self._opening)
+
+    def show(self, mesh: Mesh) -> None:
+        """Show a mesh that is in memory."""
+        self._opening = None
+        self._show(mesh, None)
+
+    def set(self, **fields: object) -> None:
+        """Change fields of the query or the display, by name; equal values do nothing.
+
+        Raises:
+            TypeError: neither a query nor a display has such a field.
+        """
+        new = self.state.with_(**fields)
+        if new == self.state:
+            return
+        self.acted.emit("set", fields)
+        self._change(new)
+
+    def click(self, ray: Ray, target: Target = "slice-or-body") -> None:
+        """Set the source where the ray meets a slice or the body; nothing happens where it misses."""
+        if self.state.mesh is None:
+            return
+        self.acted.emit("click", {"ray": ray, "target": target})
+        point = pick(self.state.mesh, self._picker, ray, target)
+        if point is not None:
+            x, y, z = point.tolist()
+            self._change(self.state.with_(source=(x, y, z)))
+
+    def probe(self, ray: Ray) -> Probe | None:
+        """The point of a slice under the ray and the value shown there."""
+        return self._picker.probe(ray) if self._picker is not None else None
+
+    def cancel(self) -> None:
+        """Stop computing or reading at the next checkpoint; what is shown stays."""
+        self.acted.emit("cancel", {})
+        if self.busy:
+            self._cancelled = self._opening is None
+            self._opening = None
+            self._asked = None
+            self._runner.submit(DropRequest())
+            self._finish()
+
+    def resume(self) -> None:
+        """Compute what the state asks for and is not there."""
+        self.acted.emit("resume", {})
+        self._cancelled = False
+        self._compute()
+
+    def close(self) -> None:
+        """End the compute thread; nothing is told afterwards. Idempotent."""
+        self._closed = True
+        self._runner.close()
+
+    def _show(self, mesh: Mesh, path: Path | None) -> None:
+        self.frame = self.ready = self._picker = None
+        self._cancelled = False
+        query = replace(self.state.query, planes=(default_plane(mesh),), source=None)
+        display = replace(self.state.display, active_plane=0)
+        self._change(State(mesh, query, display))
+        self.opened.emit(mesh, path)
+
+    def _change(self, new: State) -> None:
+        old, self.state = self.state, new
+        if old == new:
+            return
+        self.changed.emit(old, new)
+        if (old.mesh, old.query) != (new.mesh, new.query) and not self._cancelled:
+            self._compute()
+
+    def _compute(self) -> None:
+        # While a mesh is being read, its request must not be replaced; afterwards the state is computed.
+        if self.state.mesh is not None and self._opening is None:
+            self._asked = FrameRequest(self.state.mesh, self.state.query)
+            self._start(self._asked)
+
+    def _start(self, request: Request) -> None:
+        self.busy = True
+        self._runner.submit(request)
+
+    def _receive(self, request: Request, result: Result) -> None:
+        """Take a result from the compute thread; results of what nobody waits for any more are dropped."""
+        if self._closed or not self._awaits(request):
+            return
+        match result:
+            case Progress():
+                self.progressed.emit(result)
+            case Opened():
+                self._opening = None
+                self._show(result.mesh, result.path)
+            case Ready():
+                self._accept_ready(result)
+            case Frame():
+                self._accept(result)
+            case Failure():
+                self._fail(request, result.error)
+            case Finished():
+                if request is self._asked:
+                    self._finish()
+
+    def _awaits(self, request: Request) -> bool:
+        if isinstance(request, OpenRequest):
+            return request is self._opening
+        # A frame of an older query is still wanted: it is all there is to see during a fast drag.
+        return (
+            isinstance(request, FrameRequest) and request.mesh is self.state.mesh and self._asked is not None
+        )
+
+    def _accept_ready(self, ready: Ready) -> None:
+        self.ready = ready
+        mesh = ready.mesh
+        self.readied.emit(ready)
+        if self.state.query.planes == (default_plane(mesh),):
+            # Where the user has not chosen a plane, show the one through the shape's centre.
+            x, y, z = ready.barycentroid.tolist()
+            self._change(self.state.with_(planes=(Plane((x, y, z), self.state.query.planes[0].normal),)))
+
+    def _accept(self, frame: Frame) -> None:
+        self.frame = frame
+        self._picker = FramePicker(frame)
+        self.framed.emit(frame)
+
+    def _fail(self, request: Request, error: Exception) -> None:
+        if request is self._opening:
+            self._opening = None
+            self._asked = None
+            self._finish()
+            self.failed.emit(error)
+            if self.state.mesh is not None and not self._cancelled and not self._complete():
+                self._compute()
+        elif request is self._asked:
+            self._asked = None
+            self._finish()
+            self.failed.emit(error)
+            self._go_back()
+
+    def _go_back(self) -> None:
+        """After a query that failed, return to the one whose frame is shown."""
+        if self.frame is not None and self.frame.query != self.state.query:
+            self._change(replace(self.state, query=self.frame.query))
+
+    def _complete(self) -> bool:
+        return self.frame is not None and self.frame.exact and self.frame.query == self.state.query
+
+    def _finish(self) -> None:
+        self.busy = False
+        self.progressed.emit(None)
+
+
+def default_plane(mesh: Mesh) -> Plane:
+    """The plane through the middle of the bounding box, across its shortest side: the broadest view."""
+    axis = list(AXES)[int(np.argmin(np.ptp(mesh.bounds, axis=0)))]
+    return Plane.along(axis, 0.5, mesh.bounds)
+
+
+def point_of(values: object) -> Point:
+    """Three finite numbers as a point.
+
+    >>> point_of("0.1, 0.2, 0.3")
+    (0.1, 0.2, 0.3)
+    """
+    parts = values.split(",") if isinstance(values, str) else list(values)  # type: ignore[call-overload]
+    point = tuple(float(part) for part in parts)
+    if len(point) != 3 or not np.isfinite(point).all():
+        raise ValueError(f"a point is three finite numbers, x,y,z; got {values!r}")
+    return point

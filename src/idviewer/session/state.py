@@ -1,0 +1,190 @@
+"""The nouns that cross layers and threads: Query, Display, State, Frame and what else the pipeline yields.
+
+All are frozen, and their arrays are read-only, so any thread may read them at any time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core import Diffusion, Distance, Mesh, Plane
+
+Quantity = Literal["distance", "potential"]
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Query:
+    """What to compute.
+
+    Attributes:
+        planes: the slicing planes, each giving one slice.
+        source: where distances are measured from; None stands for the barycentroid.
+        distance: the boundary distance that is carried inside.
+        quantity: "distance" from the source, or the barycentroid's "potential" U.
+    """
+
+    planes: tuple[Plane, ...] = ()
+    source: Point | None = None
+    distance: Distance = field(default_factory=Diffusion)
+    quantity: Quantity = "distance"
+
+
+@dataclass(frozen=True)
+class Display:
+    """How to look at it; nothing here makes the pipeline compute anything.
+
+    Attributes:
+        isolines: number of equal steps of the value range that isolines separate; 0 draws none.
+        colormap: a name of `idviewer.view.colormaps`.
+        opacity: of the body, 0 to 1.
+        barycentroid: whether the blue sphere is shown.
+        scale_bar: whether the scale bar is shown.
+        handle: whether the active plane's handle is shown.
+        active_plane: index of the plane that the handle and the slider move.
+    """
+
+    isolines: int = 20
+    colormap: str = "paper"
+    opacity: float = 0.25
+    barycentroid: bool = False
+    scale_bar: bool = True
+    handle: bool = True
+    active_plane: int = 0
+
+
+@dataclass(frozen=True)
+class State:
+    """A mesh (None before the first one is open), a query and a display."""
+
+    mesh: Mesh | None = None
+    query: Query = field(default_factory=Query)
+    display: Display = field(default_factory=Display)
+
+    def with_(self, **fields: object) -> State:
+        """A copy in which fields of the query or the display, given by name, are replaced.
+
+        >>> State().with_(isolines=12, quantity="potential").display.isolines
+        12
+        """
+        query = {name: value for name, value in fields.items() if name in Query.__dataclass_fields__}
+        display = {name: value for name, value in fields.items() if name in Display.__dataclass_fields__}
+        unknown = fields.keys() - query.keys() - display.keys()
+        if unknown:
+            raise TypeError(f"neither a query nor a display has {', '.join(sorted(unknown))}")
+        return replace(self, query=replace(self.query, **query), display=replace(self.display, **display))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Slice:
+    """One plane's coloured section.
+
+    Attributes:
+        plane: the plane it lies in.
+        points: (p, 3) positions on the plane; empty where the plane misses the body.
+        triangles: (t, 3) indices into points, facing along the plane's normal.
+        values: (p,) the frame's quantity at the points.
+        outline: index arrays into points, one closed loop each (the first index is not repeated).
+    """
+
+    plane: Plane
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    values: NDArray[np.float64]
+    outline: tuple[NDArray[np.int32], ...]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A computed picture that describes itself; the view draws what the frame says.
+
+    Attributes:
+        mesh: the mesh it belongs to.
+        query: the query it answers.
+        slices: one for each plane of the query.
+        level: 0 for the coarsest; a finer level adds samples.
+        exact: whether every value is a direct computation, nothing interpolated.
+        error: estimated largest error of a value, in the values' unit (0.0 when exact).
+        source: (3,) where the distance is measured from.
+        barycentroid: (3,) the shape's barycentroid.
+        value_range: smallest and largest value over the whole body: what the colours span.
+        title: names the quantity and its parameters, for the scale bar.
+    """
+
+    mesh: Mesh
+    query: Query
+    slices: tuple[Slice, ...]
+    level: int
+    exact: bool
+    error: float
+    source: NDArray[np.float64]
+    barycentroid: NDArray[np.float64]
+    value_range: tuple[float, float]
+    title: str
+
+
+@dataclass(frozen=True)
+class Progress:
+    """A stage of long work, in words for the user, and the share done (None where it cannot be told)."""
+
+    stage: str
+    share: float | None = None
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A mesh was read from path."""
+
+    mesh: Mesh
+    path: Path
+
+
+@dataclass(frozen=True)
+class Ready:
+    """The embedding of mesh is there: its number of modes (0 without eigenpairs) and the barycentroid."""
+
+    mesh: Mesh
+    modes: int
+    barycentroid: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Something asked for could not be done; errors are results, not crashes."""
+
+    error: Exception
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Everything asked for by a request has been delivered."""
+
+
+@dataclass(frozen=True)
+class OpenRequest:
+    """Read a mesh; of several components, the component-th largest (counted from 1)."""
+
+    path: Path
+    component: int | None = None
+
+
+@dataclass(frozen=True)
+class FrameRequest:
+    """Compute frames of a mesh, coarse to fine."""
+
+    mesh: Mesh
+    query: Query
+
+
+@dataclass(frozen=True)
+class DropRequest:
+    """Stop, and forget half-done work."""
+
+
+Request = OpenRequest | FrameRequest | DropRequest
+Result = Frame | Progress | Opened | Ready | Failure | Finished

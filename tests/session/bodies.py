@@ -1,0 +1,42 @@
+"""Meshes, planes and an owner's thread for the session's tests."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable
+
+import numpy as np
+from tests.core import shapes
+
+from idviewer.core import Mesh
+
+WAIT = 60.0
+"""Seconds after which a test that waits for the compute thread fails."""
+
+
+def egg(level: int = 3) -> Mesh:
+    """A smooth body whose shortest side is along x."""
+    vertices, faces = shapes.icosphere(level)
+    bump = 1 + 0.2 * np.sin(3 * vertices[:, 0] + 1) * vertices[:, 2]
+    return Mesh(vertices * [1.0, 1.4, 2.2] * bump[:, None], faces, name="egg")
+
+
+class Owner:
+    """Stands for the GUI thread: runs what is posted, when the test says so."""
+
+    def __init__(self) -> None:
+        self._posted: queue.Queue[Callable[[], None]] = queue.Queue()
+
+    def post(self, call: Callable[[], None]) -> None:
+        """From any thread."""
+        self._posted.put(call)
+
+    def run_until(self, done: Callable[[], bool]) -> None:
+        """Run what is posted until done; raises queue.Empty if nothing comes for a minute."""
+        while not done():
+            self._posted.get(timeout=WAIT)()
+
+    def run_all(self) -> None:
+        """Run what has been posted up to now."""
+        while not self._posted.empty():
+            self._posted.get()()
