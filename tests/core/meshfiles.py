@@ -10,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from tests.core import shapes
 
+from idviewer.core._polygons import Polygons as PolygonSoup
 from idviewer.core.io import read_mesh
 from idviewer.core.mesh import Mesh, MeshError
 
@@ -163,3 +165,15 @@ def outcome(path: Path) -> tuple[Mesh, None] | tuple[None, str]:
         message = str(error)
     assert message.startswith(f"{path}: ")
     return None, message
+
+
+def parts(polygons: PolygonSoup) -> tuple[Vertices, list[NDArray[np.int64]]]:
+    """Vertices, and the corners of each polygon."""
+    return polygons.vertices, np.split(polygons.corners, np.cumsum(polygons.sizes)[:-1])
+
+
+def is_tetrahedron(polygons: PolygonSoup) -> bool:
+    """Whether a reader has read `shapes.tetrahedron()` to the last bit."""
+    vertices, faces = shapes.tetrahedron()
+    same = np.array_equal(polygons.vertices, vertices) and np.array_equal(polygons.sizes, [3] * 4)
+    return same and np.array_equal(polygons.corners.reshape(-1, 3), faces)

@@ -35,7 +35,9 @@ def triangle_fans(faces: np.ndarray) -> int:
     """Number of triangle fans around vertices: as many as vertices, if no vertex is pinched or unused."""
     corners = faces.ravel()
     following, preceding = np.roll(faces, -1, axis=1).ravel(), np.roll(faces, 1, axis=1).ravel()
-    start = {edge: corner for corner, edge in enumerate(zip(corners.tolist(), following.tolist(), strict=True))}
+    start = {
+        edge: corner for corner, edge in enumerate(zip(corners.tolist(), following.tolist(), strict=True))
+    }
     # turning about a corner's vertex: the triangle across the edge from the preceding vertex
     turn = [start[edge] for edge in zip(corners.tolist(), preceding.tolist(), strict=True)]
     seen, fans = np.zeros(len(corners), dtype=bool), 0
@@ -85,7 +87,7 @@ def test_no_two_triangles_cross(mesh: trimesh.Trimesh) -> None:
 
 
 def crossings(vertices: np.ndarray, faces: np.ndarray) -> int:
-    """Number of pairs of an edge and a triangle without common vertex that cross (Moeller and Trumbore 1997)."""
+    """Number of pairs of an edge and a triangle apart from it that cross (Moeller and Trumbore 1997)."""
     corners = vertices[faces]
     centres = corners.mean(axis=1)
     radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
@@ -128,7 +130,9 @@ def test_the_default_is_the_hand_of_usual_size() -> None:
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
-    with pytest.raises(ValueError, match=r"^no bundled shape is called 'teapot'; there are hand, hand_2k, .*couple_2k$"):
+    with pytest.raises(
+        ValueError, match=r"^no bundled shape is called 'teapot'; there are hand, hand_2k, .*couple_2k$"
+    ):
         sample_path("teapot")
 
 

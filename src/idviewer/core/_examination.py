@@ -60,6 +60,10 @@ class Examination:
         """Whether the surface is closed, manifold and consistently wound."""
         return len(self.faces) > 0 and self.topology.closed and not self.topology.clashing.any()
 
+    def closed(self) -> bool:
+        """Whether two faces meet in every edge; a vertex with fewer than two faces spares the sorting."""
+        return bool(np.bincount(self.faces.ravel()).min() > 1) and self.topology.closed
+
     @property
     def changed(self) -> bool:
         """Whether anything was repaired."""
@@ -146,7 +150,7 @@ class Examination:
             # A surface that is closed as it is needs no merging: its parts only touch each other. But faces
             # that collapse, between vertices in the same place, are better gone.
             spoiled = len(faces) == len(self.faces) or len(Topology(faces, len(vertices)).crowded) > 0
-            apart = self.topology.closed and spoiled
+            apart = spoiled and self.closed()
             kind = "touching_vertices" if apart else "duplicated_vertices"
             self.findings.append(counted(kind, count, place=place))
             if not apart:

@@ -83,6 +83,9 @@ KINDS = {
 KEPT = ("touching_vertices", "pinched_vertices")
 """Kinds that a mesh may have: they are reported, and nothing is done about them."""
 
+CHOICES = ("several_components", "no_such_component")
+"""Kinds that choosing one of the components does away with."""
+
 
 @dataclass(frozen=True)
 class Finding:

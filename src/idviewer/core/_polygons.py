@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import mapbox_earcut
+import manifold3d
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -128,16 +128,11 @@ def _ears(points: Floats, normal: Floats, fan: Ints) -> Ints:
     scale = float(np.abs(points).max())
     if normal[axis] == 0.0 or scale == 0.0:
         return fan
-    # Dropping the largest axis of the normal is a projection that keeps the ring simple; a cyclic order of
-    # the other two keeps its sense if that axis points up.
-    flat = points[:, [(axis + 1) % 3, (axis + 2) % 3]] / scale
-    cut = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32))
-    triangles = cut.astype(np.int64).reshape(-1, 3)
-    if len(triangles) != len(fan) or len(np.unique(triangles)) != len(flat):
-        return (
-            fan  # earcut leaves out corners on a straight line; a crack would be worse than a poor triangle
-        )
-    a, b, c = flat[triangles[:, 0]], flat[triangles[:, 1]], flat[triangles[:, 2]]
-    doubled = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    backwards = doubled.sum() * normal[axis] < 0
-    return triangles[:, ::-1] if backwards else triangles
+    # Dropping the largest axis of the normal is a projection that keeps the ring simple; in this order of
+    # the other two it also keeps its sense.
+    kept = [(axis + 1) % 3, (axis + 2) % 3]
+    flat = points[:, kept if normal[axis] > 0.0 else kept[::-1]] / scale
+    triangles = np.asarray(manifold3d.triangulate([flat]), dtype=np.int64).reshape(-1, 3)
+    # A ring that crosses itself may come back incomplete; a crack would be worse than poor triangles.
+    whole = len(triangles) == len(fan) and len(np.unique(triangles)) == len(flat)
+    return triangles if whole else fan

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core._examination import Examination, examine
-from idviewer.core._findings import Finding
+from idviewer.core._findings import CHOICES, Finding
 from idviewer.core._mending import side_vectors, volume_and_area
 from idviewer.core._polygons import Polygons
 from idviewer.core._topology import Topology
@@ -23,7 +23,7 @@ class MeshError(ValueError):
 
     Attributes:
         findings: what `diagnose` would report; empty if there was nothing to look at, as for a missing file.
-        components: faces of each component, the largest first, where the error is that there are several.
+        components: faces of each component, the largest first, where choosing one is the way out; else empty.
     """
 
     def __init__(
@@ -38,12 +38,12 @@ class MeshError(ValueError):
         """The error of an examination that found something fatal or, for a strict mesh, to repair."""
         fatal = [finding for finding in walk.findings if finding.fatal]
         if fatal:
-            # Components count only where choosing one is the way out.
             parts = [finding.message for finding in fatal] + [fatal[0].remedy]
-            several = walk.component_sizes if len(walk.component_sizes) > 1 else ()
+            choosing = any(finding.kind in CHOICES for finding in fatal)
+            several = walk.component_sizes if choosing else ()
         else:
             parts = [finding.message for finding in walk.findings if not finding.kept]
-            parts, several = [*parts, "idviewer.core.repair mends this"], ()
+            parts, several = [*parts, "idviewer.core.repair.repair mends this"], ()
         message = "; ".join(part for part in parts if part)
         return cls(f"{name}: {message}" if name else message, tuple(walk.findings), several)
 
@@ -52,7 +52,7 @@ class MeshError(ValueError):
 class Mesh:
     """A closed, two-sided triangle mesh in one piece, wound outward.
 
-    The constructor takes copies, checks everything and repairs nothing; `idviewer.core.repair` and
+    The constructor takes copies, checks everything and repairs nothing; `idviewer.core.repair.repair` and
     `idviewer.core.read_mesh` make a Mesh of less perfect input. Vertices in which the surface touches itself
     are accepted. Meshes compare by identity, and any thread may read them.
 
@@ -84,7 +84,7 @@ class Mesh:
             raise MeshError(str(error)) from error
         if len(polygons.sizes) and np.any(polygons.sizes != 3):
             raise MeshError(
-                "faces must have the shape (m, 3); idviewer.core.repair cuts polygons into triangles"
+                "faces must have the shape (m, 3); idviewer.core.repair.repair cuts polygons into triangles"
             )
         walk = examine(polygons)
         if walk.changed:

@@ -50,7 +50,7 @@ def mended(polygons: Polygons, name: str, source: str, component: int | None) ->
     if walk.fatal:
         raise MeshError.about(walk, source)
     notes = tuple(finding.note for finding in walk.findings)
-    if walk.changed:
-        # What the repairs made must stand up to the check of a mesh that never needed any.
+    if any(finding.kind == "flat_faces" for finding in walk.findings):
+        # All other checks follow the repairs that could spoil them; flips come late, so all is checked again.
         return Mesh(walk.vertices, walk.faces, name, notes)
     return Mesh.of_examination(walk, name, notes)
