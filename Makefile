@@ -1,0 +1,73 @@
+# `make help` lists the targets. Nothing has to be installed by hand: each target sets up what it needs.
+
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+
+VENV := .venv
+PYTHON_IN := $(VENV)/bin/python
+INSTALL := $(PYTHON_IN) -m pip --disable-pip-version-check install --quiet
+MESH ?=
+BENCH_ARGS ?=
+PYTEST_ARGS ?=
+
+.PHONY: help run test check lint test-core bench pictures shapes clean system-run system-test
+
+help: ## this list
+	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  make \1\t\2/p' Makefile | expand -t 18
+
+run: system-run $(VENV)/installed-run ## open the window; MESH=file or a bundled shape's name (no display: writes the picture to a file)
+	@$(PYTHON_IN) -m idviewer $(if $(MESH),"$(MESH)")
+
+test: system-test $(VENV)/installed-test ## the whole test suite (PYTEST_ARGS are passed on)
+	@$(PYTHON_IN) -m pytest $(PYTEST_ARGS)
+
+check: lint system-test $(VENV)/installed-test ## formatting, lint, types, import contracts and the fast tests, in under a minute
+	@$(PYTHON_IN) -m pytest -q -m "not slow" --ignore=tests/view $(PYTEST_ARGS)
+
+lint: $(VENV)/installed-lint ## formatting, lint, types and import contracts alone
+	@$(PYTHON_IN) -m ruff format --check .
+	@$(PYTHON_IN) -m ruff check .
+	@$(PYTHON_IN) -m mypy
+	@$(VENV)/bin/lint-imports
+
+test-core: $(VENV)/core/installed ## core and session in an environment without Qt and PyVista
+	@$(VENV)/core/bin/python -m pytest tests/core tests/session tests/test_imports.py src/idviewer/core src/idviewer/session
+
+bench: $(VENV)/installed-test ## time the core beside its peers: a table, and JSON (BENCH_ARGS are passed on)
+	@$(PYTHON_IN) benchmarks/run.py $(BENCH_ARGS)
+
+pictures: system-run $(VENV)/installed-run ## draw the pictures of the documentation again
+	@$(PYTHON_IN) docs/pictures.py
+
+shapes: $(VENV)/installed-shapes ## make the bundled shapes again
+	@$(PYTHON_IN) assets/make_shapes.py
+
+clean: ## remove the environments, caches and build products
+	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+system-run system-test: system-%:
+	@scripts/system-libraries $*
+
+# Stamps are touched last, so an interrupted or failed set-up is done again.
+$(VENV)/created $(VENV)/core/created: %/created:
+	@scripts/system-libraries venv
+	@"$$(scripts/find-python)" -m venv $*
+	@touch $@
+
+$(VENV)/installed-run: pyproject.toml | $(VENV)/created
+	@echo "Installing idviewer and what it needs into $(VENV); a minute or two, once."
+	@$(INSTALL) --editable .
+	@touch $@
+
+$(VENV)/installed-test $(VENV)/installed-lint $(VENV)/installed-shapes: $(VENV)/installed-%: pyproject.toml | $(VENV)/created
+	@echo "Installing idviewer and what its $* targets need into $(VENV); a minute or two, once."
+	@$(INSTALL) --editable '.[$*]'
+	@touch $@
+
+$(VENV)/core/installed: pyproject.toml scripts/core-requirements | $(VENV)/core/created
+	@$(VENV)/core/bin/python scripts/core-requirements | xargs -d '\n' $(VENV)/core/bin/python -m pip --disable-pip-version-check install --quiet
+	@$(VENV)/core/bin/python -m pip --disable-pip-version-check install --quiet --no-deps --editable .
+	@touch $@

@@ -1,0 +1,173 @@
+"""The command line: one function a verb, each importing what it needs when it runs.
+
+Results go to standard output, everything else to standard error. Bad input is one line and exit status 2.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from cyclopts import App, CycloptsError
+
+import idviewer
+from idviewer.cli import output, words, work
+from idviewer.cli.options import Asked, Component, DistanceName, Ends, Flag, Looks
+
+BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
+FALLBACK_PICTURE = Path("idviewer.png")
+
+app = App(
+    name="idviewer",
+    help="Interior distances of triangle meshes: a window, and the same without one.",
+    version=idviewer.__version__,
+    help_format="plaintext",
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+)
+
+
+@app.default
+def window(mesh: str | None = None, /) -> int:
+    """Open the window; without a display, draw a picture instead.
+
+    Args:
+        mesh: A file, or the name of a bundled shape.
+    """
+    from idviewer.core.samples import DEFAULT_SAMPLE
+
+    path = None if mesh is None else words.path_of(mesh)
+    obstacle = words.why_no_display()
+    if obstacle:
+        print(f"idviewer: {obstacle}; drawing a picture instead", file=sys.stderr, flush=True)
+        words.check_picture_path(FALLBACK_PICTURE)
+        work.draw(words.mesh_of(mesh or DEFAULT_SAMPLE), FALLBACK_PICTURE, Asked(), Looks())
+        print(FALLBACK_PICTURE)
+        return 0
+    words.need_window_libraries()
+    from idviewer.app import run_window
+
+    return run_window(path)
+
+
+@app.command
+def render(
+    mesh: str, out: Path, /, *, asked: Asked = Asked(), looks: Looks = Looks(), component: Component = None
+) -> None:
+    """Draw a picture into a PNG file; needs no display.
+
+    Args:
+        mesh: A file, or the name of a bundled shape.
+        out: The picture.
+        component: Which of several components to take, 1 for the largest.
+    """
+    words.check_picture_path(out)
+    work.check(asked, looks)
+    work.draw(words.mesh_of(mesh, component), out, asked, looks)
+
+
+@app.command
+def distance(
+    mesh: str,
+    /,
+    *,
+    ends: Ends = Ends(),
+    distance: DistanceName = "diffusion",
+    component: Component = None,
+    json: Flag = False,
+) -> None:
+    """Print the interior distance of two points, or of many from one.
+
+    Args:
+        mesh: A file, or the name of a bundled shape.
+        distance: The boundary distance that is carried inside: diffusion or euclidean.
+        component: Which of several components to take, 1 for the largest.
+        json: Print JSON.
+    """
+    given = {name for name, value in vars(ends).items() if value is not None}
+    if given == {"from_", "to"}:
+        answer = work.pair
+    elif given == {"source", "points"}:
+        answer = work.many
+    else:
+        raise ValueError(
+            "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv"
+        )
+    kind = words.distance_of(distance)
+    print(answer(ends, lambda: work.solver_of(words.mesh_of(mesh, component), kind), json))
+
+
+@app.command
+def barycentroid(
+    mesh: str, /, *, distance: DistanceName = "diffusion", component: Component = None, json: Flag = False
+) -> None:
+    """Print the point inside whose mean squared distance to the surface is smallest.
+
+    Args:
+        mesh: A file, or the name of a bundled shape.
+        distance: The boundary distance that is carried inside: diffusion or euclidean.
+        component: Which of several components to take, 1 for the largest.
+        json: Print JSON.
+    """
+    kind = words.distance_of(distance)
+    found = work.solver_of(words.mesh_of(mesh, component), kind).barycentroid()
+    if json:
+        print(output.as_json({"distance": distance, "point": found.point, "potential": found.potential}))
+    else:
+        print(f"barycentroid  {output.coordinates(found.point)}\npotential     {found.potential!r}")
+
+
+@app.command
+def info(mesh: str, /, *, json: Flag = False) -> int:
+    """Print a mesh's sizes and everything that is wrong with it; exit status 2 if it cannot be used.
+
+    Args:
+        mesh: A file, or the name of a bundled shape.
+        json: Print JSON.
+    """
+    from idviewer.core.io import inspect_file
+
+    diagnosis = inspect_file(words.path_of(mesh))
+    print(output.as_json({"mesh": mesh, **diagnosis.as_dict()}) if json else output.report(mesh, diagnosis))
+    return 0 if diagnosis.usable else BAD_INPUT
+
+
+@app.command
+def samples() -> None:
+    """List the bundled shapes."""
+    from idviewer.core.samples import samples as bundled
+
+    print("\n".join(f"{sample.name:<18}{sample.description}" for sample in bundled()))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command line and returns its exit status: 0, or 2 for bad input."""
+    try:
+        status = app(
+            list(sys.argv[1:] if arguments is None else arguments), exit_on_error=False, print_error=False
+        )
+        sys.stdout.flush()
+        return status or 0
+    except CycloptsError as error:
+        return _refuse(f"{error} Try idviewer --help.")
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the results has left; Python must not try to flush the rest on its way out.
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except OSError as error:
+        return _refuse(
+            f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+        )
+    except (ValueError, MemoryError) as error:  # MeshError is a ValueError
+        return _refuse(str(error) or "there is not enough memory for this")
+
+
+def _refuse(message: str) -> int:
+    print(f"idviewer: {' '.join(message.split())}", file=sys.stderr)
+    return BAD_INPUT

@@ -1,0 +1,77 @@
+"""Options that belong together, and how they are spelt and explained."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+Flag = Annotated[bool, Parameter(negative="", show_default=False)]
+Coordinates = Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X,Y,Z")]
+SOURCE = Parameter(allow_leading_hyphen=True, metavar="X,Y,Z|barycentroid")
+PlaneTexts = Annotated[
+    tuple[str, ...],
+    Parameter(
+        allow_leading_hyphen=True, negative="", show_default=False, metavar="AXIS=FRACTION|OX,OY,OZ/NX,NY,NZ"
+    ),
+]
+Component = Annotated[int | None, Parameter(metavar="N")]
+DistanceName = Annotated[str, Parameter(metavar="NAME")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Asked:
+    """What a picture is to show.
+
+    Attributes:
+        source: Where distances are measured from.
+        plane: A slicing plane, such as z=0.5 (half-way through the body); may be repeated.
+        distance: The boundary distance that is carried inside: diffusion or euclidean.
+        quantity: The distance from the source, or the barycentroid's potential U.
+    """
+
+    source: Annotated[str, SOURCE] = "barycentroid"
+    plane: PlaneTexts = ()
+    distance: DistanceName = "diffusion"
+    quantity: Literal["distance", "potential"] = "distance"
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Looks:
+    """How a picture is to look.
+
+    Attributes:
+        isolines: Number of equal steps that isolines separate; 0 draws none.
+        colormap: Blue to red as in the paper, or perceptually even.
+        opacity: Of the body, 0 to 1.
+        size: In pixels.
+        transparent: Leave the background transparent.
+    """
+
+    isolines: int = 20
+    colormap: Literal["paper", "even"] = "paper"
+    opacity: float = 0.25
+    size: Annotated[str, Parameter(metavar="WxH")] = "1280x900"
+    transparent: Flag = False
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Ends:
+    """Between which points distances are wanted: --from and --to, or --source and --points.
+
+    Attributes:
+        from_: One point.
+        to: The other point.
+        source: The point that many distances are measured from.
+        points: The many: a CSV file with the columns x,y,z.
+    """
+
+    from_: Annotated[Coordinates, Parameter(name="--from")] = None
+    to: Coordinates = None
+    source: Annotated[str | None, SOURCE] = None
+    points: Annotated[Path | None, Parameter(metavar="FILE.csv")] = None

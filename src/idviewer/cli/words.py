@@ -1,0 +1,192 @@
+"""What the command line's words stand for: meshes, points, sizes, tables. And whether a window can be opened.
+
+Every error is a ValueError or an OSError whose message is the line that the user gets to read.
+"""
+
+from __future__ import annotations
+
+import csv
+import ctypes
+import difflib
+import math
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from idviewer.core import Distance, Mesh
+
+BARYCENTROID = "barycentroid"
+LARGEST_SIZE = 8192
+"""Of a picture, in pixels; what every OpenGL can draw in one piece."""
+
+Triple = tuple[float, float, float]
+
+WINDOW_LIBRARIES = {
+    "libGL.so.1": "libgl1",
+    "libEGL.so.1": "libegl1",
+    "libX11.so.6": "libx11-6",
+    "libXcursor.so.1": "libxcursor1",
+    "libxkbcommon.so.0": "libxkbcommon0",
+}
+XCB_LIBRARIES = {"libxcb-cursor.so.0": "libxcb-cursor0", "libxkbcommon-x11.so.0": "libxkbcommon-x11-0"}
+"""What Qt and VTK end the process without, and the packages that have it on Debian and Ubuntu."""
+
+
+def path_of(name: str) -> Path:
+    """The file of that name, or else the bundled shape of that name."""
+    from idviewer.core import sample_names, sample_path
+
+    path = Path(name)
+    if path.exists():
+        return path
+    if name in sample_names():
+        return Path(sample_path(name))
+    near = difflib.get_close_matches(name, sample_names(), 1)
+    hint = f"did you mean {near[0]}?" if near else "`idviewer samples` lists the shapes"
+    raise FileNotFoundError(f"{name}: neither a file nor a bundled shape; {hint}")
+
+
+def mesh_of(name: str, component: int | None = None) -> Mesh:
+    """The mesh of that name; the repairs that it needed are told on standard error."""
+    from idviewer.core import read_mesh
+
+    mesh = read_mesh(path_of(name), component=component)
+    for note in mesh.notes:
+        print(f"idviewer: {name}: {note}", file=sys.stderr)
+    return mesh
+
+
+def distance_of(name: str) -> Distance:
+    """The distance of that name."""
+    from idviewer.core import DISTANCES
+
+    if name not in DISTANCES:
+        raise ValueError(f"--distance {name}: there is no such distance; there are: {', '.join(DISTANCES)}")
+    return DISTANCES[name]()
+
+
+def point_of(text: str, option: str) -> Triple:
+    """Three coordinates.
+
+    >>> point_of("-0.1,2,3e-2", "--source")
+    (-0.1, 2.0, 0.03)
+    """
+    point = _three_numbers(text.split(","))
+    if point is None:
+        raise ValueError(f"{option} {text}: not a point; write three numbers, such as {option} 0.1,-0.2,0.3")
+    return point
+
+
+def source_of(text: str) -> Triple | None:
+    """A source; None stands for the barycentroid."""
+    return None if text == BARYCENTROID else point_of(text, "--source")
+
+
+def size_of(text: str) -> tuple[int, int]:
+    """Width and height of a picture in pixels.
+
+    >>> size_of("800x600")
+    (800, 600)
+    """
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise ValueError(
+            f"--size {text}: not a size; write width and height in pixels, such as --size 1280x840"
+        )
+    width, height = map(int, parts)
+    if not (1 <= width <= LARGEST_SIZE and 1 <= height <= LARGEST_SIZE):
+        raise ValueError(f"--size {text}: a picture has 1 to {LARGEST_SIZE} pixels a side")
+    return width, height
+
+
+def points_in(path: Path) -> tuple[list[Triple], list[int], bool]:
+    """Points of a CSV file with the columns x,y,z; the line of each; whether a header names the columns."""
+    points: list[Triple] = []
+    lines: list[int] = []
+    header = False
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = csv.reader(file)
+            for row in rows:
+                point = _three_numbers(row)
+                if point is not None:
+                    points.append(point)
+                    lines.append(rows.line_num)
+                elif not points and not header and [cell.strip().lower() for cell in row] == ["x", "y", "z"]:
+                    header = True
+                elif any(cell.strip() for cell in row):
+                    raise ValueError(
+                        f"{path}, line {rows.line_num}: {','.join(row)[:60]!r} is not three numbers x,y,z"
+                    )
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ValueError(f"{path}: not a CSV file with the columns x,y,z ({error})") from error
+    if not points:
+        raise ValueError(f"{path}: there are no points in it; write one x,y,z a line")
+    return points, lines, header
+
+
+def _three_numbers(cells: list[str]) -> Triple | None:
+    try:
+        x, y, z = map(float, cells)
+    except ValueError:
+        return None
+    return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
+
+
+def check_picture_path(path: Path) -> None:
+    """Refuses what cannot be written before anything is computed."""
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"{path}: pictures are written as PNG; name a file that ends in .png")
+    if path.is_dir():
+        raise ValueError(f"{path}: this is a folder; name a file in it")
+    if not path.parent.is_dir():
+        raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise ValueError(
+            f"{path}: nothing may be written into {path.parent.resolve()}; choose another folder"
+        )
+
+
+def why_no_display() -> str:
+    """Why no window can be opened; empty where one can."""
+    if sys.platform in ("win32", "darwin") or os.environ.get("WAYLAND_DISPLAY"):
+        return ""
+    name = os.environ.get("DISPLAY")
+    if not name:
+        return "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)"
+    return "" if _x_server_answers() else f"no X server answers at DISPLAY={name}"
+
+
+def _x_server_answers() -> bool:
+    # Asked before Qt asks, because Qt ends the process where none answers.
+    try:
+        x11 = ctypes.CDLL("libX11.so.6")
+    except OSError:
+        return True  # need_window_libraries tells that it is missing
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    connection = x11.XOpenDisplay(None)
+    if connection:
+        x11.XCloseDisplay(ctypes.c_void_p(connection))
+    return bool(connection)
+
+
+def need_window_libraries() -> None:
+    """Refuses to open a window where Qt or VTK would end the process."""
+    needed = WINDOW_LIBRARIES | ({} if os.environ.get("WAYLAND_DISPLAY") else XCB_LIBRARIES)
+    missing = [library for library in needed if not _loads(library)] if sys.platform == "linux" else []
+    if missing:
+        packages = " ".join(needed[library] for library in missing)
+        raise OSError(
+            f"the window needs {', '.join(missing)}, which this system lacks; "
+            f"on Debian and Ubuntu `apt-get install {packages}` brings it"
+        )
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

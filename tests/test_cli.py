@@ -1,0 +1,474 @@
+"""The command line: every verb, every refusal, and what a shell may do to it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple, get_args, get_type_hints
+
+import pytest
+import trimesh
+from PIL import Image
+
+import idviewer
+from idviewer.cli import main, output, words
+from idviewer.cli.options import Looks
+from idviewer.core import sample_names
+
+INSIDE, OUTSIDE = "-0.3,0.1,0.2", "0.3,4,0.2"
+QUICK = ("--distance", "euclidean")
+"""Needs no eigenpairs; for tests to which the kind of distance does not matter."""
+
+
+class Answer(NamedTuple):
+    status: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Answer]
+
+
+@pytest.fixture
+def run(capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Runs a command line in this process, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> Answer:
+        status = main(arguments)
+        return Answer(status, *capfd.readouterr())
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def body(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A spindle, long enough to need few modes."""
+    shape = trimesh.creation.icosphere(subdivisions=3)
+    shape.apply_scale([1, 1, 6])
+    path = tmp_path_factory.mktemp("bodies") / "spindle.off"
+    shape.export(path)
+    return str(path)
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Callable[[str], str]:
+    def write(text: str) -> str:
+        path = tmp_path / "points.csv"
+        path.write_text(text)
+        return str(path)
+
+    return write
+
+
+def refused(answer: Answer) -> str:
+    """The one line of an error."""
+    assert answer.status == 2
+    assert answer.out == ""
+    assert answer.err.startswith("idviewer: ")
+    assert answer.err.count("\n") == 1
+    return answer.err
+
+
+class TestDistance:
+    def test_two_points(self, run: Run, body: str) -> None:
+        answer = run("distance", body, "--from", INSIDE, "--to", "0.5,0,1")
+        assert answer.status == 0
+        interior, euclidean = (float(line.split()[1]) for line in answer.out.splitlines())
+        assert 0 < interior < 1
+        assert euclidean == pytest.approx(math.dist((-0.3, 0.1, 0.2), (0.5, 0, 1)))
+
+    def test_json_holds_the_same(self, run: Run, body: str) -> None:
+        ends = ("--from", INSIDE, "--to", "0.5,0,1", *QUICK)
+        in_words = run("distance", body, *ends).out.split()
+        told = json.loads(run("distance", body, *ends, "--json").out)
+        assert told["interior"] == float(in_words[1])
+        assert told["from"] == [-0.3, 0.1, 0.2]
+        assert told["distance"] == "euclidean"
+
+    def test_euclidean_reproduces_straight_lines(self, run: Run, body: str) -> None:
+        ends = ("--from", INSIDE, "--to", "0.5,0,1")
+        told = json.loads(run("distance", body, *ends, "--distance", "euclidean", "--json").out)
+        assert told["interior"] == pytest.approx(told["euclidean"], rel=1e-12)
+
+    @pytest.mark.parametrize("header", ["", "x,y,z\n", "\ufeffX, y, z\r\n"])
+    def test_many_points(self, run: Run, body: str, table: Callable[[str], str], header: str) -> None:
+        points = table(header + "0.1,0.2,0.3\n\n-0.3,0.1,2.5\n")
+        answer = run("distance", body, "--source", INSIDE, "--points", points, *QUICK)
+        rows = list(csv.reader(io.StringIO(answer.out)))
+        assert rows[: bool(header)] == [["x", "y", "z", "distance"]][: bool(header)]
+        numbers = [tuple(map(float, row)) for row in rows[bool(header) :]]
+        assert [row[:3] for row in numbers] == [(0.1, 0.2, 0.3), (-0.3, 0.1, 2.5)]
+        pair = json.loads(
+            run("distance", body, "--from", INSIDE, "--to", "0.1,0.2,0.3", "--json", *QUICK).out
+        )
+        assert numbers[0][3] == pytest.approx(pair["interior"], rel=1e-9)
+
+    def test_many_points_from_the_barycentroid_as_json(
+        self, run: Run, body: str, table: Callable[[str], str]
+    ) -> None:
+        points = table("0,0,0\n0,0,3\n")
+        told = json.loads(run("distance", body, "--source", "barycentroid", "--points", points, "--json").out)
+        assert told["source"] == pytest.approx([0, 0, 0], abs=0.05)
+        assert told["interior"][0] < told["interior"][1]
+        assert told["points"] == [[0, 0, 0], [0, 0, 3]]
+
+    @pytest.mark.parametrize("end", ["--from", "--to"])
+    def test_a_point_outside_is_named(self, run: Run, body: str, end: str) -> None:
+        other = {"--from": "--to", "--to": "--from"}[end]
+        told = refused(run("distance", body, end, OUTSIDE, other, INSIDE, *QUICK))
+        assert f"{end}: the point 0.3,4.0,0.2 lies outside" in told
+        assert "(-1, -1, -6) to (1, 1, 6)" in told
+
+    def test_a_point_outside_is_named_by_its_line(
+        self, run: Run, body: str, table: Callable[[str], str]
+    ) -> None:
+        points = table("x,y,z\n0,0,0\n\n9,9,9\n8,8,8\n")
+        told = refused(run("distance", body, "--source", INSIDE, "--points", points, *QUICK))
+        assert "points.csv, line 4: the point 9.0,9.0,9.0 lies outside the mesh (and 1 more)" in told
+
+    @pytest.mark.parametrize(
+        ("text", "part"),
+        [
+            ("", "there are no points in it"),
+            ("x,y,z\n", "there are no points in it"),
+            ("0,0,0\n1,2\n", "line 2: '1,2' is not three numbers"),
+            ("0,0,0\n1,2,nan\n", "line 2: '1,2,nan' is not three numbers"),
+            ("a,b,c\n1,2,3\n", "line 1: 'a,b,c' is not three numbers"),
+        ],
+    )
+    def test_tables_that_are_none(
+        self, run: Run, body: str, table: Callable[[str], str], text: str, part: str
+    ) -> None:
+        assert part in refused(run("distance", body, "--source", INSIDE, "--points", table(text)))
+
+    def test_a_table_of_bytes(self, run: Run, body: str, tmp_path: Path) -> None:
+        path = tmp_path / "points.csv"
+        path.write_bytes(bytes(range(256)))
+        assert "not a CSV file" in refused(run("distance", body, "--source", INSIDE, "--points", str(path)))
+
+    def test_a_table_that_is_not_there(self, run: Run, body: str) -> None:
+        told = refused(run("distance", body, "--source", INSIDE, "--points", "nowhere.csv"))
+        assert told == "idviewer: nowhere.csv: No such file or directory\n"
+
+    @pytest.mark.parametrize(
+        "ends",
+        [
+            (),
+            ("--from", INSIDE),
+            ("--source", INSIDE),
+            ("--from", INSIDE, "--points", "p.csv"),
+            ("--from", INSIDE, "--to", INSIDE, "--source", INSIDE),
+        ],
+    )
+    def test_half_a_question(self, run: Run, body: str, ends: tuple[str, ...]) -> None:
+        assert "distance needs --from X,Y,Z and --to X,Y,Z, or" in refused(run("distance", body, *ends))
+
+
+class TestBarycentroid:
+    def test_in_words(self, run: Run, body: str) -> None:
+        answer = run("barycentroid", body)
+        place, potential = (line.split()[1] for line in answer.out.splitlines())
+        assert words.point_of(place, "--source") == pytest.approx((0, 0, 0), abs=0.05)
+        assert 0 < float(potential) < 1
+
+    def test_as_json(self, run: Run, body: str) -> None:
+        told = json.loads(run("barycentroid", body, "--json", "--distance", "euclidean").out)
+        assert told["distance"] == "euclidean"
+        assert told["point"] == pytest.approx([0, 0, 0], abs=1e-6)
+
+
+class TestInfo:
+    def test_a_good_mesh(self, run: Run, body: str) -> None:
+        answer = run("info", body)
+        assert (answer.status, answer.err) == (0, "")
+        assert "642" in answer.out
+        assert "usable          yes" in answer.out
+
+    def test_a_good_mesh_as_json(self, run: Run, body: str) -> None:
+        told = json.loads(run("info", body, "--json").out)
+        assert (told["usable"], told["vertices"], told["genus"], told["findings"]) == (True, 642, 0, [])
+
+    @pytest.fixture
+    def open_box(self, tmp_path: Path) -> str:
+        box = trimesh.creation.box()
+        box.update_faces([True] * 10 + [False] * 2)
+        box.export(tmp_path / "open.off")
+        return str(tmp_path / "open.off")
+
+    def test_an_unusable_mesh_is_reported_all_the_same(self, run: Run, open_box: str) -> None:
+        answer = run("info", open_box)
+        assert (answer.status, answer.err) == (2, "")
+        assert "4 boundary edges in 1 loop, near" in answer.out
+        assert "usable          no" in answer.out
+
+    def test_an_unusable_mesh_as_json(self, run: Run, open_box: str) -> None:
+        answer = run("info", open_box, "--json")
+        assert answer.status == 2
+        assert json.loads(answer.out)["findings"][0]["severity"] == "fatal"
+
+    def test_the_other_verbs_refuse_it(self, run: Run, open_box: str) -> None:
+        told = refused(run("barycentroid", open_box))
+        assert "open.off: 4 boundary edges in 1 loop, near" in told
+
+    def test_repairs_are_told(self, run: Run, body: str, tmp_path: Path) -> None:
+        lines = Path(body).read_text().splitlines()
+        vertices, faces, edges = map(int, lines[1].split())
+        lines[1] = f"{vertices + 1} {faces} {edges}"
+        lines.insert(2 + vertices, "7 7 7")
+        (tmp_path / "loose.off").write_text("\n".join(lines))
+        assert "1 isolated vertex" in run("info", "loose.off").out
+        answer = run("barycentroid", "loose.off", "--distance", "euclidean")
+        assert answer.status == 0
+        assert answer.err == "idviewer: loose.off: 1 isolated vertex was dropped.\n"
+
+    def test_a_file_without_numbers(self, run: Run, tmp_path: Path) -> None:
+        (tmp_path / "nan.off").write_text(
+            "OFF\n4 4 0\nnan 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+        )
+        answer = run("info", "nan.off", "--json")
+        assert answer.status == 2
+        assert "NaN" not in answer.out
+        assert not json.loads(answer.out)["usable"]
+
+
+class TestComponents:
+    @pytest.fixture
+    def two(self, body: str, tmp_path: Path) -> str:
+        one = trimesh.load(body)
+        other = trimesh.creation.box(extents=(0.5, 0.5, 0.5))
+        other.apply_translation((5, 0, 0))
+        trimesh.util.concatenate([one, other]).export(tmp_path / "two.off")
+        return str(tmp_path / "two.off")
+
+    def test_several_are_refused_and_one_can_be_chosen(self, run: Run, two: str) -> None:
+        ends = ("--from", INSIDE, "--to", "0.5,0,1", *QUICK)
+        assert "component" in refused(run("distance", two, *ends))
+        assert run("distance", two, *ends, "--component", "1").status == 0
+        assert "component" in refused(run("distance", two, *ends, "--component", "3"))
+
+
+class TestRender:
+    @pytest.mark.slow
+    def test_the_default_picture(self, run: Run, body: str) -> None:
+        answer = run("render", body, "out.png", "--size", "320x200")
+        assert answer == (0, "", "")
+        with Image.open("out.png") as picture:
+            assert (picture.size, picture.mode) == ((320, 200), "RGB")
+            assert len(picture.getcolors(1 << 16)) > 100
+        assert [path.name for path in Path.cwd().iterdir()] == ["out.png"]
+
+    def test_every_option(self, run: Run, body: str) -> None:
+        asked = "--source -0.3,0.1,0.2 --plane x=0.4 --plane -0.1,0,0/0,-1,1 --quantity potential"
+        asked += " --distance euclidean"
+        looks = "--isolines 5 --colormap even --opacity 0.1 --size 200x150 --transparent"
+        assert run("render", body, "out.PNG", *asked.split(), *looks.split()).status == 0
+        with Image.open("out.PNG") as picture:
+            assert (picture.size, picture.mode) == ((200, 150), "RGBA")
+            assert picture.getpixel((0, 0))[3] == 0
+
+    @pytest.mark.parametrize(
+        ("options", "part"),
+        [
+            (("--source", OUTSIDE), "lies outside"),
+            (("--source", "1,2"), "--source 1,2: not a point"),
+            (("--source", "nan,0,0"), "--source nan,0,0: not a point"),
+            (("--plane", "w=0.5"), "'w=0.5'"),
+            (("--plane", "0,0,0/0,0,0"), "normal must not be zero"),
+            (("--plane", "x=1.5"), "--plane x=1.5: the plane misses the body"),
+            (("--quantity", "colour"), '"distance", "potential"'),
+            (("--colormap", "jet"), '"paper", "even"'),
+            (("--isolines", "-1"), "--isolines -1"),
+            (("--isolines", "many"), "--isolines"),
+            (("--opacity", "1.5"), "--opacity 1.5"),
+            (("--opacity", "nan"), "--opacity nan"),
+            (("--size", "4"), "--size 4: not a size"),
+            (("--size", "0x100"), "1 to 8192"),
+            (("--size", "100000x100000"), "1 to 8192"),
+            (("--component", "7"), "component"),
+            (("--sorce", "1,2,3"), "--sorce"),
+            (("--source",), "--source requires an argument"),
+            (("surplus",), "surplus"),
+        ],
+    )
+    def test_refusals_leave_what_was_there(
+        self, run: Run, body: str, options: tuple[str, ...], part: str
+    ) -> None:
+        Path("out.png").write_text("an older picture")
+        assert part in refused(run("render", body, "out.png", "--distance", "euclidean", *options))
+        assert Path("out.png").read_text() == "an older picture"
+        assert [path.name for path in Path.cwd().iterdir()] == ["out.png"]
+
+    def test_an_unknown_distance(self, run: Run, body: str) -> None:
+        told = refused(run("render", body, "out.png", "--distance", "manhattan"))
+        assert "--distance manhattan: there is no such distance; there are: diffusion, euclidean" in told
+
+    @pytest.mark.parametrize(
+        ("out", "part"),
+        [
+            ("out.jpg", "ends in .png"),
+            ("out", "ends in .png"),
+            ("nowhere/out.png", "there is no folder nowhere"),
+            ("folder.png", "this is a folder"),
+        ],
+    )
+    def test_places_that_cannot_be_written(self, run: Run, out: str, part: str) -> None:
+        Path("folder.png").mkdir()
+        # Before the mesh is even looked for.
+        assert part in refused(run("render", "no-such-mesh", out))
+
+
+class TestMeshes:
+    @pytest.mark.parametrize("verb", ["info", "barycentroid", "distance", "render", "window"])
+    def test_no_such_mesh(self, run: Run, verb: str) -> None:
+        more = {"distance": ("--from", INSIDE, "--to", INSIDE), "render": ("out.png",)}.get(verb, ())
+        told = refused(run(*([] if verb == "window" else [verb]), "nowhere.ply", *more))
+        assert "nowhere.ply: neither a file nor a bundled shape" in told
+
+    @pytest.mark.parametrize(
+        ("name", "content"),
+        [
+            ("empty.ply", b""),
+            ("text.obj", b"hello\n"),
+            ("cut.stl", b"solid\nfacet normal 0 0"),
+            ("odd.xyz", b"1 2 3\n"),
+            ("bytes.ply", bytes(range(256))),
+        ],
+    )
+    def test_files_that_hold_no_mesh(self, run: Run, tmp_path: Path, name: str, content: bytes) -> None:
+        (tmp_path / name).write_bytes(content)
+        assert name in refused(run("barycentroid", name))
+
+    def test_a_folder(self, run: Run, tmp_path: Path) -> None:
+        (tmp_path / "shapes").mkdir()
+        assert "folder" in refused(run("info", "shapes"))
+
+    def test_a_near_miss(self, run: Run) -> None:
+        name = sample_names()[0]
+        assert f"did you mean {name}?" in refused(run("info", name + "x"))
+
+    def test_bundled_shapes_by_name(self, run: Run) -> None:
+        names = [line.split()[0] for line in run("samples").out.splitlines()]
+        assert names == list(sample_names())
+        assert run("info", names[0]).status == 0
+
+    def test_a_file_wins_over_a_bundled_shape(self, run: Run, tmp_path: Path) -> None:
+        (tmp_path / sample_names()[0]).write_text("not a mesh")
+        assert refused(run("info", sample_names()[0]))
+
+
+class TestWindow:
+    @pytest.fixture
+    def opened(self, monkeypatch: pytest.MonkeyPatch) -> list[Path | None]:
+        """What the window was opened on."""
+        opened: list[Path | None] = []
+        app = SimpleNamespace(run_window=lambda path: opened.append(path) or 7)
+        monkeypatch.setitem(sys.modules, "idviewer.app", app)
+        monkeypatch.setattr(words, "why_no_display", lambda: "")
+        monkeypatch.setattr(words, "need_window_libraries", lambda: None)
+        return opened
+
+    def test_opens_on_a_file(self, run: Run, body: str, opened: list[Path | None]) -> None:
+        assert run(body).status == 7
+        assert opened == [Path(body)]
+
+    def test_opens_on_what_it_likes(self, run: Run, opened: list[Path | None]) -> None:
+        assert run().status == 7
+        assert opened == [None]
+
+    def test_a_missing_library_is_named(self, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(words, "why_no_display", lambda: "")
+        monkeypatch.setattr(words, "_loads", lambda library: library != "libEGL.so.1")
+        told = refused(run())
+        assert "libEGL.so.1" in told
+        assert "apt-get install libegl1`" in told
+
+    def test_why_there_is_no_display(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+        monkeypatch.delenv("DISPLAY", raising=False)
+        assert "neither DISPLAY nor WAYLAND_DISPLAY" in words.why_no_display()
+        monkeypatch.setenv("DISPLAY", ":4711")
+        assert words.why_no_display() == "no X server answers at DISPLAY=:4711"
+        monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
+        assert words.why_no_display() == ""
+
+
+class TestProgram:
+    def test_version(self, run: Run) -> None:
+        assert run("--version") == (0, idviewer.__version__ + "\n", "")
+
+    @pytest.mark.parametrize(
+        "verb", [(), ("render",), ("distance",), ("barycentroid",), ("info",), ("samples",)]
+    )
+    def test_help(self, run: Run, verb: tuple[str, ...]) -> None:
+        answer = run(*verb, "--help")
+        assert answer.status == 0
+        assert " ".join(("Usage: idviewer", *verb)) in answer.out
+
+    def test_unknown_option(self, run: Run) -> None:
+        assert "--wiggle" in refused(run("--wiggle"))
+
+    def test_an_interrupt_leaves_no_trace(self, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+        def interrupt(name: str) -> Path:
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(words, "path_of", interrupt)
+        assert run("info", "hand") == (130, "", "")
+
+    def test_running_out_of_memory(self, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+        def exhaust(name: str) -> Path:
+            raise MemoryError
+
+        monkeypatch.setattr(words, "path_of", exhaust)
+        assert "not enough memory" in refused(run("info", "hand"))
+
+    def test_a_reader_that_leaves(self, body: str) -> None:
+        reader, writer = os.pipe()
+        os.close(reader)
+        command = [sys.executable, "-m", "idviewer", "info", body]
+        done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, timeout=120, check=False)
+        os.close(writer)
+        assert (done.returncode, done.stderr) == (141, b"")
+
+    def test_colormaps_are_those_of_the_view(self) -> None:
+        from idviewer.view.colormaps import COLORMAPS
+
+        assert get_args(get_type_hints(Looks)["colormap"]) == tuple(COLORMAPS)
+
+    def test_json_has_no_nan(self) -> None:
+        assert output.as_json({"a": [1.0, math.inf]}) == '{"a": [1.0, null]}'
+
+
+def no_display() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+
+
+@pytest.mark.slow
+def test_without_a_display_a_picture_is_drawn(body: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "idviewer", body]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=no_display(), capture_output=True, text=True, timeout=170, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, "idviewer.png\n"), done.stderr
+    assert done.stderr.startswith("idviewer: there is no display")
+    assert done.stderr.count("\n") == 1
+    with Image.open(tmp_path / "idviewer.png") as picture:
+        assert len(picture.convert("RGB").getcolors(1 << 20)) > 1000
+
+
+@pytest.mark.slow
+def test_the_bundled_shape_is_drawn_without_a_display(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "idviewer", "render", sample_names()[0], "out.png", "--size", "300x200"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=no_display(), capture_output=True, text=True, timeout=170, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (tmp_path / "out.png").stat().st_size > 1000
