@@ -1,0 +1,16 @@
+"""Distances on a slice, as x,y,z,distance lines for other programs."""
+
+import sys
+
+import numpy as np
+
+from idviewer.core import InteriorDistance, Plane, read_mesh, sample_path, section
+from idviewer.core.slice_mesh import inner_nodes, spacing_for
+
+human = read_mesh(sample_path("human_2k"))
+solver = InteriorDistance(human)
+cut = section(human, Plane.along("y", 0.5, human.bounds))
+points = inner_nodes(cut, spacing_for(cut, 200))
+distances = solver.field(solver.barycentroid().point, points)
+table = np.column_stack([points, distances])
+np.savetxt(sys.stdout, table, delimiter=",", fmt="%.6g", header="x,y,z,distance", comments="")
