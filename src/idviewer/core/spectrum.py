@@ -26,8 +26,12 @@ DENSE = 700
 """Meshes of up to so many vertices are left to a dense solver, which knows no limit to the modes."""
 
 BLOCK = 6
-RESIDUAL = 1e-7
-CHECK_EVERY = 16
+"""Vectors at a time. Symmetry makes at most five eigenvalues of a body equal (the largest irreducible
+representation of a finite point group, the icosahedron's), and a block finds as many copies as it is wide."""
+
+RESIDUAL = 1e-6
+CHECK_AFTER = 0.1
+"""Growth of the basis after which it is looked at again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +94,7 @@ def eigenpair_steps(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff)
     krylov = _BlockKrylov(_factor(laplacian, shift * masses), np.sqrt(masses), shift)
     yield 0.05
     while True:
-        for _ in range(max(1, CHECK_EVERY // BLOCK)):
+        for _ in range(max(2, round(CHECK_AFTER * krylov.size / BLOCK))):
             yield from krylov.expand()
         values, coefficients, residuals = krylov.ritz_pairs()
         bound = cutoff(values[0])
