@@ -7,26 +7,28 @@ from collections.abc import Callable, Generator
 import numpy as np
 
 from idviewer.core import _kernels as kernels
-from idviewer.core._kernels import LANES
+from idviewer.core._kernels import LANES, blocks, faces, grazing
+from idviewer.core._kernels.surface import patched
 
 
 def compile_steps() -> Generator[float, None, None]:
     """Compile every kernel, or read it from numba's cache; yields the share done between them."""
-    point, view, weights = np.zeros((1, 3, LANES)), np.zeros((1, 3, 4, LANES)), np.zeros((1, 3, LANES))
-    corner, share, states = np.ones((3, 3)), np.zeros((4, LANES)), np.zeros((1, LANES), dtype=np.int8)
-    faces = np.zeros((1, 3), dtype=np.int32)
-    vector = (1.0, 0.0, 0.0)
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    surface = patched(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    point = np.full((1, 3, LANES), 0.2)
+    view, weights = np.zeros((1, 4, 4, LANES)), np.zeros((1, 4, LANES))
+    share, states = np.zeros((4, LANES)), np.zeros((1, LANES), dtype=np.int8)
+    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     calls: list[Callable[[], object]] = [
-        lambda: kernels._look_from(point[0], corner, view[0], np.zeros((2, LANES))),
-        lambda: kernels._face_shares(view[0, 0], view[0, 1], view[0, 2], share),
-        lambda: kernels._accumulate(share[0], share[1], share[2], share),
-        lambda: kernels._edge_vector(vector, vector),
-        lambda: kernels._edge_flux(vector, vector, vector, 1.0),
-        lambda: kernels._grazing_shares(vector, vector, vector, vector, 0.0),
-        lambda: kernels._weigh_block(point[0], corner, faces, 0.0, view[0], weights[0]),
-        lambda: kernels.mean_value_weights(point, corner, faces, 0.0, view, weights, states),
+        lambda: faces.look_from(point[0], corners, view[0]),
+        lambda: faces.near_shares(view[0, 0], view[0, 1], view[0, 2], share),
+        lambda: faces.far_shares(view[0, 0], view[0, 1], view[0, 2], share),
+        lambda: faces.accumulate(share[0], share[1], share[2], share),
+        lambda: grazing.grazing_shares((0.0, 0.0, 0.0), x, y, z, 0.0),
+        lambda: blocks.warm_up(point[0], surface, 0.0, (view[0], weights[0])),
+        lambda: kernels.mean_value_weights(point, surface, 0.0, (view, weights), weights.copy(), states),
         lambda: kernels.interpolate(
-            point, corner, faces, 0.0, (view, weights), corner, np.zeros((1, LANES, 3)), states
+            point, surface, 0.0, (view, weights), corners, np.zeros((1, LANES, 3)), states
         ),
     ]
     for done, call in enumerate(calls):

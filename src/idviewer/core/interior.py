@@ -68,6 +68,7 @@ class InteriorDistance:
             spectrum = eigenpairs(mesh, self.distance_kind.cutoff)
         self._spectrum = spectrum
         self.basis = self.distance_kind.basis(mesh, spectrum)
+        self.basis.setflags(write=False)
         self.scale = self.distance_kind.scale(spectrum)
         masses = voronoi_areas(mesh) if spectrum is None else spectrum.masses
         self.centre = (masses @ self.basis) / masses.sum() * self.scale

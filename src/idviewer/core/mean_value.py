@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import ThreadpoolController
 
 from idviewer.core import _kernels
+from idviewer.core._kernels.surface import curve_order, patched
 from idviewer.core.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -42,14 +43,9 @@ class MeanValueCoordinates:
     def __init__(self, mesh: Mesh) -> None:
         self._centre = mesh.bounds.mean(axis=0)
         self._scale = 1.0 / mesh.diagonal
-        # Neighbours in space become neighbours in memory; on large meshes this decides the speed.
-        normalised = self._normalised(mesh.vertices)
-        self._order = _along_a_space_filling_curve(normalised)
-        rank = np.empty_like(self._order)
-        rank[self._order] = np.arange(len(rank))
-        self._vertices = np.ascontiguousarray(normalised[self._order])
-        faces = rank[mesh.faces].astype(np.int32)
-        self._faces = np.ascontiguousarray(faces[np.argsort(faces.min(axis=1), kind="stable")])
+        self._surface = patched(self._normalised(mesh.vertices), mesh.faces)
+        self._vertex_count = len(mesh.vertices)
+        self._arranged: tuple[Floats, Floats] | None = None
         # Rounding of the input coordinates, which is large on a mesh far from the origin.
         reach = float(np.abs(mesh.bounds).max()) * self._scale
         self._tolerance = 64.0 * float(np.finfo(float).eps) * (1.0 + reach)
@@ -64,16 +60,15 @@ class MeanValueCoordinates:
             (p, n) rows that sum to 1; NaN for points outside the mesh.
         """
         points = as_points(points)
-        result = np.empty((len(points), len(self._order)))
-        for start, packed in self._batches(points):
-            weights = np.empty((len(packed), len(self._order), _kernels.LANES))
+        result = np.empty((len(points), self._vertex_count))
+        for chosen, packed in self._batches(points):
+            weights = np.empty((len(packed), self._vertex_count, _kernels.LANES))
             states = np.empty((len(packed), _kernels.LANES), dtype=np.int8)
-            view, _ = self._scratch
             _kernels.mean_value_weights(
-                packed, self._vertices, self._faces, self._tolerance, view, weights, states
+                packed, self._surface, self._tolerance, self._scratch, weights, states
             )
             rows = weights.transpose(0, 2, 1).reshape(states.size, -1)
-            self._keep(result[start : start + states.size], rows, states, self._order)
+            result[chosen] = _known(rows, states)[: len(chosen)]
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
@@ -87,51 +82,53 @@ class MeanValueCoordinates:
             (p, k), NaN for points outside the mesh.
         """
         points = as_points(points)
-        ordered = np.ascontiguousarray(values[self._order])
+        by_row = self._by_row(values)
         result = np.empty((len(points), values.shape[1]))
-        for start, packed in self._batches(points):
+        done = 0
+        for chosen, packed in self._batches(points):
             rows = np.empty((len(packed), _kernels.LANES, values.shape[1]))
             states = np.empty((len(packed), _kernels.LANES), dtype=np.int8)
             # One BLAS thread in each of ours; more would fight over the cores.
             with _blas().limit(limits=1):
                 _kernels.interpolate(
-                    packed,
-                    self._vertices,
-                    self._faces,
-                    self._tolerance,
-                    self._scratch,
-                    ordered,
-                    rows,
-                    states,
+                    packed, self._surface, self._tolerance, self._scratch, by_row, rows, states
                 )
-            self._keep(result[start : start + states.size], rows.reshape(states.size, -1), states)
-            yield min(1.0, (start + states.size) / len(points))
+            result[chosen] = _known(rows.reshape(states.size, -1), states)[: len(chosen)]
+            done += len(chosen)
+            yield done / len(points)
         return result
+
+    def _by_row(self, values: Floats) -> Floats:
+        """The values in the order of the surface's rows, kept where they are asked for again and cannot change."""
+        if self._arranged is not None and self._arranged[0] is values:
+            return self._arranged[1]
+        by_row = np.ascontiguousarray(values[self._surface.vertices])
+        if not values.flags.writeable:
+            self._arranged = (values, by_row)
+        return by_row
 
     @cached_property
     def _scratch(self) -> tuple[Floats, Floats]:
-        threads, lanes, n = _kernels.thread_count(), _kernels.LANES, len(self._order)
-        return np.empty((threads, n, 4, lanes)), np.empty((threads, n, lanes))
+        threads, lanes = _kernels.thread_count(), _kernels.LANES
+        rows = int(np.diff(self._surface.first_row).max())
+        return np.empty((threads, rows, 4, lanes)), np.empty((threads, rows, lanes))
 
-    def _batches(self, points: Floats) -> Generator[tuple[int, Floats], None, None]:
-        """Index of the first point, and (blocks, 3, lanes) points, the last block filled up with copies."""
+    def _batches(self, points: Floats) -> Generator[tuple[Ints, Floats], None, None]:
+        """Indices of some points that lie together, and the points as (blocks, 3, lanes).
+
+        The last block is filled up with copies.
+        """
         lanes, threads = _kernels.LANES, _kernels.thread_count()
-        rounds = max(1, round(FACE_VISITS / (len(self._faces) * lanes * threads)))
+        rounds = max(1, round(FACE_VISITS / (len(self._surface.faces) * lanes * threads)))
         at_once = rounds * lanes * threads
         normalised = self._normalised(points)
+        order = curve_order(np.where(np.isfinite(normalised), normalised, 0.0).clip(-1.0, 1.0))
         for start in range(0, len(points), at_once):
-            batch = normalised[start : start + at_once]
-            blocks = -(-len(batch) // lanes)
-            padded = np.concatenate([batch, np.repeat(batch[-1:], blocks * lanes - len(batch), axis=0)])
-            yield start, np.ascontiguousarray(padded.reshape(blocks, lanes, 3).transpose(0, 2, 1))
-
-    @staticmethod
-    def _keep(result: Floats, rows: Floats, states: NDArray[np.int8], columns: Ints | None = None) -> None:
-        """Copy the rows that are no filling, NaN for points outside."""
-        count = len(result)
-        outside = states.ravel()[:count] == _kernels.OUTSIDE
-        result[:, slice(None) if columns is None else columns] = rows[:count]
-        result[outside] = np.nan
+            chosen = order[start : start + at_once]
+            blocks = -(-len(chosen) // lanes)
+            padded = np.resize(chosen, blocks * lanes)
+            packed = normalised[padded].reshape(blocks, lanes, 3).transpose(0, 2, 1)
+            yield chosen, np.ascontiguousarray(packed)
 
     def _normalised(self, points: Floats) -> Floats:
         return (points - self._centre) * self._scale
@@ -169,11 +166,7 @@ def _blas() -> ThreadpoolController:
     return ThreadpoolController().select(user_api="blas")
 
 
-def _along_a_space_filling_curve(points: Floats) -> Ints:
-    """Order of the points along a Morton curve of 2^10 cells a side."""
-    cells = ((points - points.min(axis=0)) / np.ptp(points, axis=0).max() * 1023.0).astype(np.int64)
-    code = np.zeros(len(points), dtype=np.int64)
-    for bit in range(10):
-        for axis in range(3):
-            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
-    return np.argsort(code, kind="stable")
+def _known(rows: Floats, states: NDArray[np.int8]) -> Floats:
+    """The rows, NaN for points outside."""
+    rows[states.ravel() == _kernels.OUTSIDE] = np.nan
+    return rows

@@ -1,0 +1,192 @@
+"""Blocks of points against all patches of a surface, in parallel over the blocks."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from idviewer.core._angle_ratio import SLIGHT_LIMIT
+from idviewer.core._kernels.faces import FAST, LANES, accumulate, far_shares, look_from, near_shares
+from idviewer.core._kernels.grazing import grazing_shares, row
+
+OUTSIDE, INSIDE, ON_SURFACE = 0, 1, 2
+
+SLIGHT_CHORD = 2.0 * math.sqrt(SLIGHT_LIMIT)
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _sees_slight_angles(x, ball, longest):  # type: ignore[no-untyped-def]
+    """Whether every edge of a patch is short as seen from every point of a block."""
+    least = np.inf
+    for lane in range(LANES):
+        dx, dy, dz = x[0, lane] - ball[0], x[1, lane] - ball[1], x[2, lane] - ball[2]
+        least = min(least, dx * dx + dy * dy + dz * dz)
+    return longest < SLIGHT_CHORD * (math.sqrt(least) - ball[3])
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _land_on_vertices(view, count, first_row, tolerance, landing):  # type: ignore[no-untyped-def]
+    """Note which points lie on a vertex."""
+    touched, rows, shares = landing
+    for i in range(count):
+        for lane in range(LANES):
+            if view[i, 3, lane] * tolerance >= 1.0:
+                touched[lane] = 2
+                rows[lane] = first_row + i
+                shares[lane] = (1.0, 0.0, 0.0)
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _weigh_patch(x, surface, patch, tolerance, scratch, landing):  # type: ignore[no-untyped-def]
+    """Weights of a patch's rows, not normalised, for a block of points x (3, LANES).
+
+    They are left in the second part of scratch. Points that lie on the surface are noted in landing:
+    touched (LANES,), rows (LANES, 3) and shares (LANES, 3) of the linear interpolation there.
+    """
+    view, weights = scratch
+    first_row, end_row = surface.first_row[patch], surface.first_row[patch + 1]
+    positions = surface.positions[first_row:end_row]
+    weights[: end_row - first_row] = 0.0
+    look_from(x, positions, view)
+    slight = _sees_slight_angles(x, surface.balls[patch], surface.longest[patch])
+    if not slight:
+        _land_on_vertices(view, end_row - first_row, first_row, tolerance, landing)
+    share = np.empty((4, LANES))
+    for f in range(surface.first_face[patch], surface.first_face[patch + 1]):
+        i, j, k = row(surface.faces, f)
+        if slight:
+            far_shares(view[i], view[j], view[k], share)
+        else:
+            near_shares(view[i], view[j], view[k], share)
+        if accumulate(weights[i], weights[j], weights[k], share) > 0.0:
+            _add_grazing(x, positions, (i, j, k), first_row, tolerance, share[3], weights, landing)
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _add_grazing(x, positions, face, first_row, tolerance, marks, weights, landing):  # type: ignore[no-untyped-def]
+    """The shares of a face for those points of a block that see it edge-on or lie on it."""
+    i, j, k = face
+    touched, rows, shares = landing
+    for lane in range(LANES):
+        if marks[lane] == 0.0:
+            continue
+        at = (x[0, lane], x[1, lane], x[2, lane])
+        w_i, w_j, w_k, touches = grazing_shares(
+            at, row(positions, i), row(positions, j), row(positions, k), tolerance
+        )
+        if not touches:
+            weights[i, lane] += w_i
+            weights[j, lane] += w_j
+            weights[k, lane] += w_k
+        elif touched[lane] == 0:
+            touched[lane] = 1
+            rows[lane] = (first_row + i, first_row + j, first_row + k)
+            shares[lane] = (w_i, w_j, w_k)
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _no_landing():  # type: ignore[no-untyped-def]
+    return np.zeros(LANES, dtype=np.int8), np.zeros((LANES, 3), dtype=np.int64), np.zeros((LANES, 3))
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def warm_up(x, surface, tolerance, scratch):  # type: ignore[no-untyped-def]
+    """Weigh one patch, so that all it needs is compiled."""
+    _weigh_patch(x, surface, 0, tolerance, scratch, _no_landing())
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _add_totals(weights, count, totals):  # type: ignore[no-untyped-def]
+    for i in range(count):
+        for lane in range(LANES):
+            totals[lane] += weights[i, lane]
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _sides(totals, touched, states):  # type: ignore[no-untyped-def]
+    """Tell each point's side by the sign of its total (docs/mean_value.md)."""
+    for lane in range(LANES):
+        states[lane] = ON_SURFACE if touched[lane] else (INSIDE if totals[lane] > 0.0 else OUTSIDE)
+
+
+@numba.njit(parallel=True, fastmath=FAST, error_model="numpy", cache=True)
+def mean_value_weights(points, surface, tolerance, scratch, weights, states):  # type: ignore[no-untyped-def]
+    """Exact mean value weights of many points; Ju, Schaefer and Warren 2005, vectorised over points.
+
+    Args:
+        points: (blocks, 3, LANES).
+        surface: a `Surface`.
+        tolerance: how near the surface a point counts as lying on it.
+        scratch: view (threads, r, 4, LANES) and weights (threads, r, LANES), r the rows of the largest patch.
+        weights: (blocks, n, LANES) output; they add up to 1 over the vertices.
+        states: (blocks, LANES) int8 output; OUTSIDE, INSIDE or ON_SURFACE.
+    """
+    view, patch_weights = scratch
+    for worker in numba.prange(view.shape[0]):
+        for block in range(worker, points.shape[0], view.shape[0]):
+            landing = _no_landing()
+            totals = np.zeros(LANES)
+            weights[block] = 0.0
+            for patch in range(surface.longest.shape[0]):
+                first, end = surface.first_row[patch], surface.first_row[patch + 1]
+                own = (view[worker], patch_weights[worker])
+                _weigh_patch(points[block], surface, patch, tolerance, own, landing)
+                _add_totals(patch_weights[worker], end - first, totals)
+                for i in range(end - first):
+                    vertex = surface.vertices[first + i]
+                    for lane in range(LANES):
+                        weights[block, vertex, lane] += patch_weights[worker, i, lane]
+            _sides(totals, landing[0], states[block])
+            for i in range(weights.shape[1]):
+                for lane in range(LANES):
+                    weights[block, i, lane] /= totals[lane]
+            for lane in range(LANES):
+                if landing[0][lane]:
+                    weights[block, :, lane] = 0.0
+                    for corner in range(3):
+                        weights[block, surface.vertices[landing[1][lane, corner]], lane] += landing[2][
+                            lane, corner
+                        ]
+
+
+@numba.njit(parallel=True, fastmath=FAST, error_model="numpy", cache=True)
+def interpolate(points, surface, tolerance, scratch, values, result, states):  # type: ignore[no-untyped-def]
+    """Vertex values carried to many points by mean value weights, which are not kept.
+
+    Args:
+        points: (blocks, 3, LANES).
+        surface: a `Surface`.
+        tolerance: how near the surface a point counts as lying on it.
+        scratch: as for `mean_value_weights`.
+        values: (rows of the surface, k).
+        result: (blocks, LANES, k) output.
+        states: (blocks, LANES) int8 output; OUTSIDE, INSIDE or ON_SURFACE.
+    """
+    view, patch_weights = scratch
+    for worker in numba.prange(view.shape[0]):
+        product = np.empty((LANES, values.shape[1]))
+        for block in range(worker, points.shape[0], view.shape[0]):
+            landing = _no_landing()
+            totals = np.zeros(LANES)
+            result[block] = 0.0
+            for patch in range(surface.longest.shape[0]):
+                first, end = surface.first_row[patch], surface.first_row[patch + 1]
+                own = (view[worker], patch_weights[worker])
+                _weigh_patch(points[block], surface, patch, tolerance, own, landing)
+                _add_totals(patch_weights[worker], end - first, totals)
+                np.dot(patch_weights[worker, : end - first].T, values[first:end], product)
+                result[block] += product
+            _sides(totals, landing[0], states[block])
+            for lane in range(LANES):
+                result[block, lane] /= totals[lane]
+                if landing[0][lane]:
+                    result[block, lane] = 0.0
+                    for corner in range(3):
+                        result[block, lane] += landing[2][lane, corner] * values[landing[1][lane, corner]]
+
+
+def thread_count() -> int:
+    """How many threads the kernels use."""
+    return int(numba.get_num_threads())
