@@ -38,7 +38,7 @@ test-core: $(VENV)/core/installed ## core and session in an environment without 
 bench: $(VENV)/installed-test ## time the core beside its peers: a table, and JSON (BENCH_ARGS are passed on)
 	@$(PYTHON_IN) benchmarks/run.py $(BENCH_ARGS)
 
-pictures: system-run $(VENV)/installed-run ## draw the pictures of the documentation again
+pictures: system-test $(VENV)/installed-test ## draw the pictures of the documentation again
 	@$(PYTHON_IN) docs/pictures.py
 
 shapes: $(VENV)/installed-shapes ## make the bundled shapes again

@@ -391,6 +391,19 @@ class TestWindow:
         assert "libEGL.so.1" in told
         assert "apt-get install libegl1`" in told
 
+    def test_a_machine_without_opengl(self, run: Run, body: str, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(words, "_loads", lambda library: False)
+        told = refused(run("render", body, "out.png", *QUICK))
+        assert "there is no OpenGL to draw with" in told
+        assert "apt-get install libegl1" in told
+
+    def test_a_machine_with_opengl_but_without_x11(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(words, "_loads", lambda library: library == "libEGL.so.1")
+        monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "")
+        monkeypatch.delenv("VTK_DEFAULT_OPENGL_WINDOW")
+        words.need_picture_libraries()
+        assert os.environ["VTK_DEFAULT_OPENGL_WINDOW"] == "vtkEGLRenderWindow"
+
     def test_why_there_is_no_display(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
         monkeypatch.delenv("DISPLAY", raising=False)

@@ -184,6 +184,18 @@ def need_window_libraries() -> None:
         )
 
 
+def need_picture_libraries() -> None:
+    """Refuses to draw where VTK would end the process, and has it not try X11 where that is not installed."""
+    if sys.platform != "linux" or (_loads("libX11.so.6") and _loads("libXcursor.so.1")):
+        return
+    if not _loads("libEGL.so.1") and not _loads("libOSMesa.so.8"):
+        raise OSError(
+            "there is no OpenGL to draw with; "
+            "on Debian and Ubuntu `apt-get install libegl1 libgl1-mesa-dri` brings it"
+        )
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+
+
 def _loads(library: str) -> bool:
     try:
         ctypes.CDLL(library)

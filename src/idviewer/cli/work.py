@@ -96,6 +96,7 @@ def check(asked: Asked, looks: Looks) -> None:
 
 def draw(mesh: Mesh, out: Path, asked: Asked, looks: Looks) -> None:
     """Computes a picture and writes it."""
+    words.need_picture_libraries()
     from idviewer.core import Plane
     from idviewer.session.state import Display, Query, State
     from idviewer.view.images import write_image

@@ -1,0 +1,240 @@
+"""Pictures of a shape in any size, drawn off-screen: with or without a window, with or without a display."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+from PIL import Image
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
+from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow, vtkTextureObject
+
+from idviewer.view.camera import look, rotate, unit
+from idviewer.view.scene import POINTS_PER_INCH, Scene
+
+if TYPE_CHECKING:
+    from idviewer.core import Mesh, Plane
+    from idviewer.session.state import Frame, State
+
+Point = tuple[float, float, float]
+Camera = Sequence[Sequence[float]]
+"""Where the eye is, the point it looks at, and the direction of the picture's upper edge."""
+
+WINDOW = (1280, 900)
+"""A picture of this size looks like the window; in a larger one, lines and letters grow with it."""
+READABLE, ROOM = 0.85, (500, 360)
+"""In a smaller one they do not shrink further than this, until the scale bar has no room left."""
+ANGLE = 30.0
+"""Vertical field of view in degrees."""
+OBLIQUE = (20.0, 15.0)
+"""Degrees that the first view of a plane is turned sideways and upwards from its normal, 25 in all."""
+BAR = 150.0
+"""Width of the scale bar in pixels, kept free by the first view."""
+SAMPLES = 8
+"""Samples a pixel; a machine that cannot takes fewer."""
+
+
+def image(
+    state: State,
+    frame: Frame | None,
+    size: tuple[int, int],
+    camera: Camera | None = None,
+    transparent: bool = False,
+) -> NDArray[np.uint8]:
+    """Draws a picture without a window.
+
+    Args:
+        state: the shape, and how it is displayed.
+        frame: what was computed for it; None draws the shape alone.
+        size: width and height in pixels.
+        camera: position, focal point and up vector; `default_camera` of the first plane if None.
+        transparent: whether the background is left out; otherwise it is white.
+
+    Returns:
+        (height, width, 3) red, green, blue; (height, width, 4) with alpha, not premultiplied, if transparent.
+
+    Raises:
+        RuntimeError: this machine has no OpenGL, not even one in software.
+        ValueError: the size is not positive, or more than OpenGL can draw.
+    """
+    if min(size) < 1:
+        raise ValueError(f"a picture cannot have {size[0]} x {size[1]} pixels")
+    scale = _scale(size)
+    if camera is None and state.mesh is not None:
+        planes = frame.query.planes if frame is not None else state.query.planes
+        free = 2 * BAR * scale if frame is not None and state.display.scale_bar else 0.0
+        aspect = max(size[0] - free, 0.5 * size[0]) / size[1]
+        camera = default_camera(state.mesh, planes[0] if planes else None, aspect)
+    with _plotter(size, round(scale * POINTS_PER_INCH)) as plotter:
+        scene = Scene(plotter)
+        try:
+            scene.show(state)
+            scene.show_frame(frame)
+            _prepare(plotter, camera, transparent)
+            return _read(plotter, transparent)
+        finally:
+            scene.close()
+
+
+def write_image(
+    path: str | os.PathLike[str],
+    state: State,
+    frame: Frame | None,
+    size: tuple[int, int],
+    camera: Camera | None = None,
+    transparent: bool = False,
+) -> None:
+    """Draws a picture, like `image`, and writes it as PNG.
+
+    It is written beside the file and then renamed, so that the file is there as a whole or not at all.
+
+    Raises:
+        RuntimeError: this machine has no OpenGL.
+        OSError: the file cannot be written.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
+    pixels = image(state, frame, size, camera, transparent)
+    beside = path.with_name(f".{path.name}.{uuid4().hex}.part")
+    try:
+        with beside.open("xb") as file:
+            Image.fromarray(pixels).save(file, format="PNG")
+        os.replace(beside, path)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+
+
+def default_camera(
+    mesh: Mesh, plane: Plane | None, aspect: float = WINDOW[0] / WINDOW[1]
+) -> tuple[Point, Point, Point]:
+    """The first view: the whole body, a little obliquely from the side that the plane's normal points to.
+
+    Args:
+        mesh: the body.
+        plane: the plane to look at; None looks along -y.
+        aspect: the picture's width over its height.
+
+    Returns:
+        Position, focal point and up vector. Up is z, or y where the normal is near z.
+    """
+    normal = np.array(plane.normal if plane is not None else (0.0, -1.0, 0.0))
+    up = np.array((0.0, 1.0, 0.0) if abs(normal[2]) > 0.9 else (0.0, 0.0, 1.0))
+    sideways, upwards = np.radians(OBLIQUE)
+    right = unit(np.cross(up, normal))
+    eye = rotate(rotate(normal, right, -upwards), np.cross(normal, right), sideways)
+    pose = look(-eye, up, mesh.vertices, np.radians(ANGLE), aspect)
+    return _point(pose.position), _point(pose.focal), _point(pose.up)
+
+
+def _scale(size: tuple[int, int]) -> float:
+    """How much larger lines and letters are than in the window."""
+    like_window, roomy = (min(size[0] / width, size[1] / height) for width, height in (WINDOW, ROOM))
+    return max(like_window, min(READABLE, roomy))
+
+
+@contextmanager
+def _plotter(size: tuple[int, int], dpi: int) -> Iterator[pv.Plotter]:
+    """An off-screen plotter that is closed in any case."""
+    _require_opengl()
+    with _quiet():
+        plotter = pv.Plotter(off_screen=True, window_size=list(size))
+    try:
+        window = plotter.render_window
+        assert isinstance(window, vtkOpenGLRenderWindow)
+        window.SetMultiSamples(SAMPLES)
+        window.SetDPI(dpi)
+        window.Initialize()
+        # VTK would hand out a black picture.
+        limit = vtkTextureObject.GetMaximumTextureSize(window)
+        if max(size) > limit:
+            raise ValueError(f"{size[0]} x {size[1]} pixels are too many: {limit} a side is the most here")
+        yield plotter
+    finally:
+        plotter.close()
+
+
+def _window(plotter: pv.Plotter) -> vtkRenderWindow:
+    window = plotter.render_window
+    assert window is not None, "the plotter is closed"
+    return window
+
+
+def _prepare(plotter: pv.Plotter, camera: Camera | None, transparent: bool) -> None:
+    renderer = plotter.renderer
+    renderer.GradientBackgroundOff()
+    # On black that is not there, the pixels are the picture's colours times their alpha.
+    renderer.SetBackground(*((0.0, 0.0, 0.0) if transparent else (1.0, 1.0, 1.0)))
+    _window(plotter).SetAlphaBitPlanes(transparent)
+    if camera is not None:
+        eye = renderer.GetActiveCamera()
+        position, focal, up = camera
+        eye.SetPosition(position)
+        eye.SetFocalPoint(focal)
+        eye.SetViewUp(up)
+        eye.SetViewAngle(ANGLE)
+    renderer.ResetCameraClippingRange()
+
+
+def _read(plotter: pv.Plotter, transparent: bool) -> NDArray[np.uint8]:
+    window = _window(plotter)
+    with _quiet():
+        window.Render()
+    width, height = window.GetSize()
+    buffer = vtkUnsignedCharArray()
+    # The back buffer's samples are averaged as they are. The front buffer's are averaged after a gamma
+    # correction, which does not fit colours that are multiplied by alpha.
+    if not transparent:
+        window.GetPixelData(0, 0, width - 1, height - 1, 0, buffer, 0)
+        return vtk_to_numpy(buffer).reshape(height, width, 3)[::-1].copy()
+    window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, buffer, 0)
+    premultiplied = vtk_to_numpy(buffer).reshape(height, width, 4)[::-1].astype(np.uint16)
+    alpha = premultiplied[..., 3:]
+    rgb = (premultiplied[..., :3] * 255 + alpha // 2) // np.maximum(alpha, 1)
+    return np.concatenate([np.minimum(rgb, 255), alpha], axis=2).astype(np.uint8)
+
+
+@cache
+def _require_opengl() -> None:
+    """Raises an error where VTK finds no OpenGL; drawing there would end the process."""
+    with _quiet():
+        window = vtkRenderWindow()
+        window.SetOffScreenRendering(True)
+        window.SetSize(16, 16)
+        works = bool(window.SupportsOpenGL())
+        # Its last resort, Mesa in software, is never even tried when the library is not there.
+        if works and isinstance(window, vtkOpenGLRenderWindow):
+            works = "not tested" not in window.GetOpenGLSupportMessage().lower()
+        window.Finalize()
+    if not works:
+        raise RuntimeError(
+            "no OpenGL to draw with: neither a display nor EGL nor OSMesa works here. On Debian and Ubuntu,"
+            " `apt install libegl1 libgl1-mesa-dri` brings one that needs no graphics card and no display"
+        )
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keeps VTK from telling standard error about each kind of window that it tries in vain."""
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(before)
+
+
+def _point(vector: NDArray[np.float64]) -> Point:
+    x, y, z = map(float, vector)
+    return x, y, z

@@ -1,0 +1,104 @@
+"""The source, a black dot, and the barycentroid, a blue ball: of one size at any zoom, and always seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkRenderingCore import vtkActor
+
+from idviewer.view.body_actor import clearness
+from idviewer.view.polydata import as_cells, as_points, layer
+from idviewer.view.shaders import BACK, BALL, BALL_AT_FRONT, FRONT, Shader, set_uniforms
+
+if TYPE_CHECKING:
+    from idviewer.session.state import Frame
+
+BLACK = (0.02, 0.02, 0.03)
+BLUE = (0.10, 0.30, 0.95)
+SOURCE_RADIUS, BARYCENTROID_RADIUS = 5.5, 8.0
+"""In pixels."""
+RIM = 1.4
+"""Width of the white rim in pixels; without it a black dot is lost on dark blue."""
+BEHIND = 0.38
+"""Opacity of a ball that something hides."""
+
+
+class Markers:
+    """Balls at the frame's source and barycentroid; where something hides one, it shines through faintly."""
+
+    def __init__(self) -> None:
+        # The smaller, black one last: it stays visible on the blue one.
+        self._barycentroid = _Ball(BLUE, BARYCENTROID_RADIUS)
+        self._source = _Ball(BLACK, SOURCE_RADIUS)
+        self._frame: Frame | None = None
+        self._with_barycentroid = False
+
+    @property
+    def actors(self) -> tuple[vtkActor, ...]:
+        """In the order in which they are drawn."""
+        return *self._barycentroid.actors, *self._source.actors
+
+    def show_frame(self, frame: Frame | None) -> None:
+        """Shows another frame's points, or none."""
+        self._frame = frame
+        if frame is not None:
+            self._source.move(frame.source)
+            self._barycentroid.move(frame.barycentroid)
+        self._update()
+
+    def set_look(self, barycentroid: bool, opacity: float, scale: float) -> None:
+        """Whether the barycentroid is shown, the opacity of the body around, and device pixels in a pixel."""
+        self._with_barycentroid = barycentroid
+        for ball in (self._source, self._barycentroid):
+            ball.resize(scale)
+            ball.set_clearness(clearness(opacity))
+        self._update()
+
+    def _update(self) -> None:
+        frame = self._frame
+        self._source.set_visible(frame is not None and frame.query.quantity == "distance")
+        self._barycentroid.set_visible(frame is not None and self._with_barycentroid)
+
+
+class _Ball:
+    """Drawn faintly over everything, then over the glass, then where nothing at all hides it."""
+
+    def __init__(self, color: tuple[float, float, float], radius: float) -> None:
+        self._radius = radius
+        shaders = (BALL_AT_FRONT, BALL.on(FRONT), BALL.on(BACK))
+        self.actors = tuple(_point_actor(color, shader) for shader in shaders)
+        self.actors[0].GetProperty().SetOpacity(BEHIND)
+        self.resize(1.0)
+        self.set_visible(False)
+
+    def move(self, position: np.ndarray) -> None:
+        for actor in self.actors:
+            actor.SetPosition(*position)
+
+    def resize(self, scale: float) -> None:
+        half = np.ceil((self._radius + RIM) * scale + 1.0)
+        for actor in self.actors:
+            actor.GetProperty().SetPointSize(2 * half)
+            set_uniforms(actor, ballRadius=self._radius * scale, rimWidth=RIM * scale, spriteRadius=half)
+
+    def set_clearness(self, share: float) -> None:
+        self.actors[1].GetProperty().SetOpacity(share)
+
+    def set_visible(self, visible: bool) -> None:
+        for actor in self.actors:
+            actor.SetVisibility(visible)
+
+
+def _point_actor(color: tuple[float, float, float], shader: Shader) -> vtkActor:
+    """A single point at the actor's position, so that single precision does not move it."""
+    data = vtkPolyData()
+    data.SetPoints(as_points(np.zeros((1, 3))))
+    data.SetVerts(as_cells(np.zeros((1, 1), int)))
+    actor = layer(data)
+    actor.ForceOpaqueOff()
+    actor.ForceTranslucentOn()  # after all else, and leaving no depth that would cut the next ball
+    actor.GetProperty().SetColor(*color)
+    shader.install(actor)
+    return actor

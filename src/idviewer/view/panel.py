@@ -1,0 +1,205 @@
+"""The controls beside the picture: each gets the state it shows and the calls it may make, not the window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QFormLayout,
+    QFrame,
+    QGridLayout,
+    QGroupBox,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QScrollArea,
+    QSizePolicy,
+    QSlider,
+    QSpinBox,
+    QStyle,
+    QVBoxLayout,
+    QWidget,
+)
+
+from idviewer.core import DISTANCES
+from idviewer.session.state import Frame, Point, State
+from idviewer.view.colormaps import COLORMAPS
+from idviewer.view.panel_planes import PlanesGroup, tidy
+
+MOST_ISOLINES = 200
+
+
+@dataclass(frozen=True)
+class Calls:
+    """What the controls may do: change fields of the query or the display, and say what cannot be done."""
+
+    set: Callable[..., None]
+    complain: Callable[[str], None]
+
+
+class Panel(QScrollArea):
+    """Source, slicing planes, and what is shown."""
+
+    def __init__(self, calls: Calls, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.source, self.planes, self.show_group = SourceGroup(calls), PlanesGroup(calls), ShowGroup(calls)
+        self._content = content = QWidget()
+        layout = QVBoxLayout(content)
+        layout.setContentsMargins(10, 8, 10, 8)
+        layout.setSpacing(12)
+        for group in (self.source, self.planes, self.show_group):
+            layout.addWidget(group)
+        layout.addStretch(1)
+        self.setWidget(content)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        content.setEnabled(False)
+        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
+        self.setMinimumWidth(content.minimumSizeHint().width() + bar)
+
+    def show_state(self, state: State, frame: Frame | None) -> None:
+        """Shows the state; frame tells where the barycentroid is when that is the source."""
+        self._content.setEnabled(state.mesh is not None)
+        for group in (self.source, self.planes, self.show_group):
+            group.show_state(state, frame)
+
+
+class SourceGroup(QGroupBox):
+    """Where distances are measured from."""
+
+    def __init__(self, calls: Calls) -> None:
+        super().__init__("Source")
+        self._calls = calls
+        self._source: Point | None = None
+        self._size = 1.0
+        self.fields = tuple(_field(name) for name in "xyz")
+        self.at_barycentroid = QPushButton("At the barycentroid")
+        self.at_barycentroid.clicked.connect(lambda: calls.set(source=None))
+        layout = QGridLayout(self)
+        for column, (name, edit) in enumerate(zip("xyz", self.fields, strict=True)):
+            layout.addWidget(QLabel(name, alignment=Qt.AlignmentFlag.AlignHCenter), 0, column)
+            layout.addWidget(edit, 1, column)
+            edit.editingFinished.connect(self._typed)
+        layout.addWidget(self.at_barycentroid, 2, 0, 1, 3)
+
+    def show_state(self, state: State, frame: Frame | None) -> None:
+        """Shows the coordinates, also those that were only computed."""
+        source = state.query.source
+        if source is None and frame is not None and frame.query.source is None:
+            source = tuple(frame.source.tolist())
+        self.at_barycentroid.setEnabled(state.query.source is not None)
+        if source != self._source:
+            self._source, self._size = source, state.mesh.diagonal if state.mesh is not None else 1.0
+            self._restore()
+
+    def _restore(self) -> None:
+        values = self._source if self._source is not None else (None, None, None)
+        for edit, value in zip(self.fields, values, strict=True):
+            edit.setText("" if value is None else tidy(value, self._size))
+            edit.setCursorPosition(0)
+
+    def _typed(self) -> None:
+        """Only what was typed counts: the other coordinates must not be rounded to what is shown."""
+        edited = [edit for edit in self.fields if edit.isModified()]
+        if not edited:
+            return
+        for edit in edited:
+            edit.setModified(False)
+        pasted = edited[0].text().replace(",", " ").split()
+        try:
+            if len(pasted) == 3:
+                x, y, z = map(float, pasted)
+            else:
+                exact = self._source if self._source is not None else (None, None, None)
+                x, y, z = (
+                    float(edit.text()) if edit in edited or value is None else value
+                    for edit, value in zip(self.fields, exact, strict=True)
+                )
+        except ValueError:
+            self._calls.complain(f"“{edited[0].text()}” is not a coordinate.")
+            self._restore()
+            return
+        self._calls.set(source=(x, y, z))
+
+
+class ShowGroup(QGroupBox):
+    """Which quantity, and how it looks."""
+
+    def __init__(self, calls: Calls) -> None:
+        super().__init__("Show")
+        self.quantity = _choice([("distance", "Distance from the source"), ("potential", "Potential U")])
+        self.distance = _choice([(name, kind.title) for name, kind in DISTANCES.items()])
+        self.colormap = _choice(COLORMAPS.items())
+        self.isolines = QSpinBox()
+        self.isolines.setRange(0, MOST_ISOLINES)
+        self.isolines.setSpecialValueText("none")
+        self.opacity = QSlider(Qt.Orientation.Horizontal)
+        self.opacity.setRange(0, 100)
+        self.barycentroid = QCheckBox("Barycentroid")
+        self.scale_bar = QCheckBox("Scale bar")
+        self._lay_out()
+        self._connect(calls)
+
+    def _lay_out(self) -> None:
+        layout = QFormLayout(self)
+        layout.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow)
+        rows = {
+            "Quantity": self.quantity,
+            "Distance": self.distance,
+            "Isolines": self.isolines,
+            "Colours": self.colormap,
+            "Body opacity": self.opacity,
+        }
+        for label, widget in rows.items():
+            layout.addRow(label, widget)
+        layout.addRow(self.barycentroid)
+        layout.addRow(self.scale_bar)
+        self.opacity.setToolTip("How opaque the body is")
+        self.isolines.setToolTip("Number of equal steps between isolines")
+
+    def _connect(self, calls: Calls) -> None:
+        self.quantity.activated.connect(lambda: calls.set(quantity=self.quantity.currentData()))
+        self.distance.activated.connect(lambda: calls.set(distance=DISTANCES[self.distance.currentData()]()))
+        self.colormap.activated.connect(lambda: calls.set(colormap=self.colormap.currentData()))
+        self.isolines.valueChanged.connect(lambda value: calls.set(isolines=value))
+        self.opacity.valueChanged.connect(lambda value: calls.set(opacity=value / 100))
+        self.barycentroid.clicked.connect(lambda on: calls.set(barycentroid=on))
+        self.scale_bar.clicked.connect(lambda on: calls.set(scale_bar=on))
+
+    def show_state(self, state: State, frame: Frame | None) -> None:
+        """Shows the state without calling anything."""
+        query, display = state.query, state.display
+        for choice, value in (
+            (self.quantity, query.quantity),
+            (self.distance, query.distance.name),
+            (self.colormap, display.colormap),
+        ):
+            choice.setCurrentIndex(choice.findData(value))
+        with QSignalBlocker(self.isolines):
+            self.isolines.setValue(display.isolines)
+        with QSignalBlocker(self.opacity):
+            self.opacity.setValue(round(100 * display.opacity))
+        self.barycentroid.setChecked(display.barycentroid)
+        self.scale_bar.setChecked(display.scale_bar)
+
+
+def _choice(items: Iterable[tuple[str, str]]) -> QComboBox:
+    box = QComboBox()
+    for name, title in items:
+        box.addItem(title, name)
+    box.setMinimumContentsLength(10)
+    box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+    return box
+
+
+def _field(name: str) -> QLineEdit:
+    edit = QLineEdit()
+    edit.setMinimumWidth(72)
+    edit.setToolTip(f"{name} of the source, in the mesh's unit; three numbers may be pasted at once")
+    return edit

@@ -1,0 +1,143 @@
+"""Everything that is drawn of a shape, put into a plotter. It never renders by itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pyvista as pv
+from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
+
+from idviewer.session.state import Display
+from idviewer.view.body_actor import BodyActor
+from idviewer.view.colormaps import colors, lookup_table
+from idviewer.view.markers import Markers
+from idviewer.view.polydata import Place
+from idviewer.view.scale_bar import ScaleBar
+from idviewer.view.slice_actor import SliceActor
+
+if TYPE_CHECKING:
+    from idviewer.core import Mesh
+    from idviewer.session.state import Frame, State
+
+BOTTOM, TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
+"""The background, shaded from below to above."""
+POINTS_PER_INCH = 72.0
+"""Dots per inch at which a pixel of line widths and letters is one of the screen's."""
+
+
+class Scene:
+    """The body, its slices, the markers and the scale bar of a plotter, in its window or off-screen.
+
+    The plotter is used, not owned: `close` takes out of it what was put in. Line widths, letters and balls
+    follow the dots per inch of its window.
+    """
+
+    def __init__(self, plotter: pv.BasePlotter) -> None:
+        renderer: vtkRenderer = plotter.renderer
+        self._renderer: vtkRenderer | None = renderer
+        self._mesh: Mesh | None = None
+        self._display = Display()
+        self._frame: Frame | None = None
+        self._dpi = 0.0
+        self._place = Place()
+        self._table = lookup_table(self._display.colormap)
+        self._body = BodyActor(renderer)
+        self._slices: list[SliceActor] = []
+        self._markers = Markers()
+        self._bar = ScaleBar()
+        self._props: tuple[vtkProp, ...] = ()
+        renderer.SetUseOIT(False)  # balls are drawn as they come, not averaged
+        if not renderer.GetLights().GetNumberOfItems():
+            renderer.CreateLight()  # without any, VTK hands no normals to the body's shader
+        renderer.SetBackground(*BOTTOM)
+        renderer.SetBackground2(*TOP)
+        renderer.GradientBackgroundOn()
+        self._stack()
+        self._apply_display()
+
+    def show(self, state: State) -> None:
+        """Shows the state's body, in the way its display says; what is shown already costs nothing."""
+        if self._renderer is None:
+            return
+        if state.mesh is not self._mesh:
+            self._show_mesh(state.mesh)
+        if state.display != self._display or self._window_dpi() != self._dpi:
+            if state.display.colormap != self._display.colormap:
+                self._table.DeepCopy(lookup_table(state.display.colormap))
+            self._display = state.display
+            self._apply_display()
+
+    def show_frame(self, frame: Frame | None) -> None:
+        """Shows what a frame says; with none, there are no slices, markers or scale bar."""
+        if self._renderer is None:
+            return
+        self._frame = frame
+        sections = frame.slices if frame is not None else ()
+        if len(sections) > len(self._slices):
+            self._slices += [SliceActor(self._table) for _ in sections[len(self._slices) :]]
+            self._stack()
+            self._apply_display()
+        for actor, section in zip(self._slices, sections, strict=False):
+            assert frame is not None
+            actor.show(section, frame.value_range, self._place, alone=len(sections) == 1)
+        for actor in self._slices[len(sections) :]:
+            actor.hide()
+        self._markers.show_frame(frame)
+        self._show_bar()
+
+    def close(self) -> None:
+        """Takes everything out of the plotter and lets go of it; may be called again."""
+        if self._renderer is None:
+            return
+        for prop in self._props:
+            self._renderer.RemoveViewProp(prop)
+        self._renderer = self._mesh = self._frame = None
+        self._props = ()
+        self._slices.clear()
+
+    def _show_mesh(self, mesh: Mesh | None) -> None:
+        self._mesh = mesh
+        if mesh is not None:
+            self._place = Place(mesh.bounds)
+        self._body.show_mesh(mesh, self._place)
+        if self._frame is not None and self._frame.mesh is not mesh:
+            self.show_frame(None)
+
+    def _apply_display(self) -> None:
+        display = self._display
+        self._dpi = self._window_dpi()
+        scale = self._dpi / POINTS_PER_INCH
+        self._body.set_opacity(display.opacity)
+        for actor in self._slices:
+            actor.set_look(display.isolines, display.opacity, scale)
+        self._markers.set_look(display.barycentroid, display.opacity, scale)
+        self._show_bar()
+
+    def _show_bar(self) -> None:
+        frame, display = self._frame, self._display
+        if frame is None or not display.scale_bar:
+            self._bar.hide()
+        else:
+            scale = self._dpi / POINTS_PER_INCH
+            self._bar.show(frame.title, frame.value_range, colors(display.colormap), display.isolines, scale)
+
+    def _stack(self) -> None:
+        """Puts the props into the renderer in the order in which they must be drawn."""
+        assert self._renderer is not None
+        for prop in self._props:
+            self._renderer.RemoveViewProp(prop)
+        stages = list(zip(*(actor.actors for actor in self._slices), strict=True)) or [()]
+        bases, *overlays = stages
+        self._props = (
+            *bases,
+            *self._body.actors,
+            *(prop for stage in overlays for prop in stage),
+            *self._markers.actors,
+            *self._bar.actors,
+        )
+        for prop in self._props:
+            self._renderer.AddViewProp(prop)
+
+    def _window_dpi(self) -> float:
+        window = self._renderer.GetRenderWindow() if self._renderer is not None else None
+        return float(window.GetDPI()) if window is not None else POINTS_PER_INCH

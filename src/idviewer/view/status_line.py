@@ -1,0 +1,83 @@
+"""The window's lowest line: value under the cursor, progress with a way to stop it, sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QStatusBar, QWidget
+
+from idviewer.core import Mesh
+from idviewer.session.state import Progress, Ready
+
+PATIENCE = 150
+"""Milliseconds that work may take before the line speaks of it; what is done by then only flickers."""
+
+
+class StatusLine(QStatusBar):
+    """Shows what it is told, and calls cancel or resume for its one button."""
+
+    def __init__(
+        self, cancel: Callable[[], None], resume: Callable[[], None], parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self._cancel, self._resume = cancel, resume
+        self.probe, self.stage, self.sizes, self.modes = QLabel(), QLabel(), QLabel(), QLabel()
+        self.probe.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.bar = QProgressBar()
+        self.bar.setFixedWidth(160)
+        self.bar.setTextVisible(False)
+        self.button = QPushButton("Cancel")
+        self.button.clicked.connect(self._press)
+        self._stopped = False
+        self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
+        self._patience.timeout.connect(lambda: self._show_work(True))
+        self.setContentsMargins(6, 0, 0, 0)
+        self.addWidget(self.probe, 1)
+        for widget in (self.stage, self.bar, self.button, self.sizes, self.modes):
+            self.addPermanentWidget(widget)
+        self._show_work(False)
+
+    def show_mesh(self, mesh: Mesh | None) -> None:
+        """Numbers of vertices and faces; the modes are not known yet."""
+        self.sizes.setText(f"{len(mesh.vertices):,} vertices, {len(mesh.faces):,} faces" if mesh else "")
+        self.modes.clear()
+
+    def show_ready(self, ready: Ready) -> None:
+        """Number of modes."""
+        self.modes.setText(f"{ready.modes:,} modes" if ready.modes else "")
+
+    def show_progress(self, progress: Progress | None) -> None:
+        """Names the stage, and how far it is; None hides it."""
+        if progress is None:
+            self._patience.stop()
+            self._show_work(False)
+            return
+        self._stopped = False
+        self.button.setText("Cancel")
+        self.stage.setText(progress.stage)
+        self.bar.setRange(0, 0 if progress.share is None else 1000)
+        self.bar.setValue(round(1000 * (progress.share or 0.0)))
+        if self.bar.isHidden() and not self._patience.isActive():
+            self._patience.start()
+
+    def show_stopped(self) -> None:
+        """Says that the computation was cancelled, and offers to start it again."""
+        self._patience.stop()
+        self._show_work(False)
+        self._stopped = True
+        self.stage.setText("Cancelled")
+        self.button.setText("Compute again")
+        self.stage.show()
+        self.button.show()
+
+    def show_probe(self, text: str) -> None:
+        """What is under the cursor."""
+        self.probe.setText(text)
+
+    def _show_work(self, visible: bool) -> None:
+        for widget in (self.stage, self.bar, self.button):
+            widget.setVisible(visible)
+
+    def _press(self) -> None:
+        (self._resume if self._stopped else self._cancel)()

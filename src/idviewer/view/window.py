@@ -1,0 +1,284 @@
+"""The window: menus, the picture, the controls, a message bar and the status line, wired to a session."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
+from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
+
+from idviewer.core import Mesh, MeshError
+from idviewer.core.rays import Ray
+from idviewer.core.samples import sample_names, sample_path
+from idviewer.session.session import Session
+from idviewer.session.state import Frame, Progress, Ready, State
+from idviewer.view import dialogs, images
+from idviewer.view.dialogs import PictureRequest
+from idviewer.view.help import HelpSheet
+from idviewer.view.menus import fill_menu_bar
+from idviewer.view.message_bar import MessageBar
+from idviewer.view.panel import Calls, Panel
+from idviewer.view.post import Post
+from idviewer.view.status_line import StatusLine
+from idviewer.view.viewport import Viewport
+
+LOG = logging.getLogger(__name__)
+HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
+EMPTY_HINT = "Open a mesh with Ctrl+O, or drop a file here"
+STEP, FAR_STEP = 0.01, 0.1
+"""Shares of the shape's extent that the keys push a plane by."""
+
+
+class MainWindow(QMainWindow):
+    """Everything the user sees. It owns the session and the post, and closes them with itself."""
+
+    def __init__(self, session: Session, post: Post) -> None:
+        super().__init__()
+        self.session, self._post = session, post
+        self._folder = str(Path.cwd())
+        self._asked: Path | None = None
+        self._dialog: QDialog | None = None
+        self._closed = False
+        self.viewport, self.messages = Viewport(), MessageBar()
+        self.panel = Panel(Calls(session.set, self.complain))
+        self.status = StatusLine(self.cancel, session.resume)
+        self._lay_out()
+        self.actions_by_name = fill_menu_bar(self, self._calls(), sample_names(), self._open_sample)
+        self.viewport.clicked.connect(session.click)
+        self.viewport.hovered.connect(self._show_probe)
+        self.viewport.dragged.connect(self.panel.planes.drag_to)
+        self._connections: list[tuple[Any, Callable[..., None]]] = [
+            (session.changed, self._on_changed),
+            (session.framed, self._on_framed),
+            (session.failed, self.on_failed),
+            (session.progressed, self._on_progressed),
+            (session.opened, self._on_opened),
+            (session.readied, self._on_readied),
+        ]
+        for signal, slot in self._connections:
+            signal.connect(slot)
+        self._on_changed(State(), session.state)
+        self._show_probe(None)
+
+    def _lay_out(self) -> None:
+        centre = QWidget()
+        layout = QGridLayout(centre)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.viewport, 0, 0)
+        # Over the picture, which must not jump when a message comes or goes.
+        layout.addWidget(self.messages, 0, 0, Qt.AlignmentFlag.AlignTop)
+        self.setCentralWidget(centre)
+        self.dock = QDockWidget("Controls", self)
+        self.dock.setObjectName("controls")
+        sides = Qt.DockWidgetArea.LeftDockWidgetArea | Qt.DockWidgetArea.RightDockWidgetArea
+        self.dock.setAllowedAreas(sides)
+        self.dock.setWidget(self.panel)
+        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
+        self.resizeDocks([self.dock], [330], Qt.Orientation.Horizontal)
+        self.setStatusBar(self.status)
+        self.setAcceptDrops(True)
+        self.setWindowTitle("idviewer")
+        self.resize(1280, 840)
+
+    def _calls(self) -> dict[str, Callable[[], object]]:
+        """What the menus do."""
+        session, viewport, planes = self.session, self.viewport, self.panel.planes
+        views = ("front", "back", "left", "right", "top", "bottom")
+        return {
+            "open": self.ask_for_mesh,
+            "picture": self.ask_for_picture,
+            "quit": self.close,
+            "reset": viewport.reset_view,
+            **{view: lambda view=view: viewport.look_from(view) for view in views},  # type: ignore[misc]
+            "face": viewport.look_at_plane,
+            "upright": viewport.turn_upright,
+            "controls": lambda: self.dock.setVisible(self.dock.isHidden()),
+            **{f"plane_{axis}": lambda axis=axis: planes.turn_to(axis) for axis in "xyz"},  # type: ignore[misc]
+            "through": planes.go_through_source,
+            "forward": lambda: planes.nudge(STEP),
+            "backward": lambda: planes.nudge(-STEP),
+            "far_forward": lambda: planes.nudge(FAR_STEP),
+            "far_backward": lambda: planes.nudge(-FAR_STEP),
+            "add_plane": planes.add_plane,
+            "remove_plane": planes.remove_plane,
+            "handle": lambda: session.set(handle=not session.state.display.handle),
+            "at_barycentroid": lambda: session.set(source=None),
+            "barycentroid": lambda: session.set(barycentroid=not session.state.display.barycentroid),
+            "quantity": self._switch_quantity,
+            "cancel": self.cancel,
+            "resume": session.resume,
+            "keys": lambda: self._show_dialog(HelpSheet(self)),
+            "about": lambda: self._show_dialog(dialogs.about_dialog(self)),
+        }
+
+    # What the session says
+
+    def _on_changed(self, old: State, new: State) -> None:
+        if new.mesh is not old.mesh:
+            self.status.show_mesh(new.mesh)
+            self.viewport.show_frame(self.session.frame)
+        self.viewport.show_state(new)
+        self.panel.show_state(new, self.session.frame)
+
+    def _on_framed(self, frame: Frame) -> None:
+        self.viewport.show_frame(frame)
+        self.panel.show_state(self.session.state, frame)
+        if self.session.busy and not frame.exact:
+            self.status.show_progress(Progress("Refining"))
+
+    def on_failed(self, error: BaseException) -> None:
+        """One line for the user, the trace for the log."""
+        LOG.error("%s", error, exc_info=error)
+        path = self._asked
+        if isinstance(error, MeshError) and error.components and path is not None:
+            several = f"{path.name} has {len(error.components)} components, and distances need a single one."
+            offer = f"Open the largest ({error.components[0]:,} faces)"
+            self.messages.tell("error", several, (offer, lambda: self.open(path, component=1)))
+        else:
+            self.complain(str(error) or type(error).__name__)
+
+    def _on_progressed(self, progress: Progress | None) -> None:
+        self.status.show_progress(progress)
+
+    def _on_opened(self, mesh: Mesh, path: Path | None) -> None:
+        self.setWindowTitle(f"{path.name if path else mesh.name} — idviewer")
+        if path is not None:
+            self._folder = str(path.parent)
+        if mesh.notes:
+            self.messages.tell("note", " ".join(mesh.notes))
+        else:
+            self.messages.clear()
+
+    def _on_readied(self, ready: Ready) -> None:
+        self.status.show_ready(ready)
+
+    # What the user asks for
+
+    def complain(self, text: str) -> None:
+        """One line that does not block."""
+        self.messages.tell("error", text)
+
+    def open(self, path: Path | str, component: int | None = None) -> None:
+        """Opens a mesh; the one that is open stays until the new one is read."""
+        self.messages.clear()
+        self._asked = Path(path)
+        self.session.open(self._asked, component)
+
+    def _open_sample(self, name: str) -> None:
+        self.open(sample_path(name))
+
+    def ask_for_mesh(self) -> None:
+        """Shows the file dialog."""
+        dialog = dialogs.open_dialog(self._folder, self)
+        dialog.fileSelected.connect(lambda path: self.open(path))
+        self._show_dialog(dialog)
+
+    def ask_for_picture(self) -> None:
+        """Shows the picture dialog."""
+        mesh = self.session.state.mesh
+        if mesh is None:
+            return
+        shown = self.viewport.size() * self.viewport.devicePixelRatioF()
+        dialog = dialogs.PictureDialog(
+            QSize(shown.width(), shown.height()), Path.cwd() / f"{mesh.name or 'picture'}.png", self
+        )
+        dialog.chosen.connect(self.save_picture)
+        self._show_dialog(dialog)
+
+    def save_picture(self, request: PictureRequest) -> None:
+        """Writes the picture that the window shows, in the requested size."""
+        QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
+        try:
+            images.write_image(
+                request.path,
+                self.session.state,
+                self.session.frame,
+                request.size,
+                camera=self.viewport.camera_position,
+                transparent=request.transparent,
+            )
+        except Exception as error:
+            self.on_failed(error)
+        else:
+            width, height = request.size
+            self.messages.tell("note", f"Saved {request.path} ({width} × {height} pixels).")
+        finally:
+            QGuiApplication.restoreOverrideCursor()
+
+    def cancel(self) -> None:
+        """Stops the computation; what is shown stays."""
+        if not self.session.busy:
+            return
+        self.session.cancel()
+        state, frame = self.session.state, self.session.frame
+        if state.mesh is not None and (frame is None or not frame.exact or frame.query != state.query):
+            self.status.show_stopped()
+
+    def _switch_quantity(self) -> None:
+        other = {"distance": "potential", "potential": "distance"}
+        self.session.set(quantity=other[self.session.state.query.quantity])
+
+    def _show_probe(self, ray: Ray | None) -> None:
+        probe = self.session.probe(ray) if ray is not None else None
+        frame = self.session.frame
+        if probe is None or probe.value is None or frame is None:
+            self.status.show_probe(HINT if self.session.state.mesh is not None else EMPTY_HINT)
+            return
+        point = np.asarray(probe.point)
+        place = ", ".join(f"{value:.4g}" for value in point)
+        if frame.query.quantity == "potential":
+            self.status.show_probe(f"U = {probe.value:.4g} at ({place})")
+        else:
+            straight = float(np.linalg.norm(point - frame.source))
+            self.status.show_probe(f"d = {probe.value:.4g} at ({place}); Euclidean {straight:.4g}")
+
+    def _show_dialog(self, dialog: QDialog) -> None:
+        """One dialog at a time, beside the event loop."""
+        if self._dialog is not None:
+            self._dialog.close()
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.finished.connect(self._forget_dialog)
+        self._dialog = dialog
+        dialog.show()
+
+    def _forget_dialog(self) -> None:
+        self._dialog = None
+
+    # Files dropped on it, and its end
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:  # noqa: N802
+        """Files are welcome anywhere on the window."""
+        if event.mimeData().hasUrls():
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:  # noqa: N802
+        """Opens the one file that was dropped."""
+        urls = event.mimeData().urls()
+        if len(urls) != 1 or not urls[0].isLocalFile():
+            self.complain("Drop one file from this machine at a time.")
+            return
+        event.acceptProposedAction()
+        self.open(urls[0].toLocalFile())
+
+    def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
+        """Ends everything, in the middle of whatever it is."""
+        self.close_down()
+        event.accept()
+
+    def close_down(self) -> None:
+        """The session's worker first, then who listens, then the picture; may be called again."""
+        if self._closed:
+            return
+        self._closed = True
+        self.session.close()
+        for signal, slot in self._connections:
+            signal.disconnect(slot)
+        self._post.close()
+        if self._dialog is not None:
+            self._dialog.close()
+        self.viewport.close_down()
