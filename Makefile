@@ -45,7 +45,7 @@ shapes: $(VENV)/installed-shapes ## make the bundled shapes again
 	@$(PYTHON_IN) assets/make_shapes.py
 
 clean: ## remove the environments, caches and build products
-	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis .numba_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 system-run system-test: system-%:

@@ -43,10 +43,13 @@ def main() -> None:
     meshes = [read_mesh(path) for path in paths]
     tables = {
         "Exact weights, per inner point": [weights_row(mesh, arguments.turns) for mesh in meshes],
-        "Preprocess: eigenpairs by the paper's rule": [spectrum_row(mesh, arguments.turns) for mesh in meshes],
+        "Preprocess: eigenpairs by the paper's rule": [
+            spectrum_row(mesh, arguments.turns) for mesh in meshes
+        ],
         "A moved plane: from pose to frames": [slice_row(mesh, arguments.turns) for mesh in meshes],
     }
-    print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    machine = platform.processor() or platform.machine()
+    print(f"{machine}, {os.cpu_count()} cores, Python {platform.python_version()}")
     for title, rows in tables.items():
         show(title, rows)
     RESULTS.mkdir(exist_ok=True)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
+import os
+import shutil
+from pathlib import Path
 
 import hypothesis
 import numpy as np
@@ -10,6 +14,26 @@ import pytest
 
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
+
+CORE = Path(__file__).parents[1] / "src" / "idviewer" / "core"
+CACHES = Path(__file__).parents[1] / ".numba_cache"
+
+
+def use_kernels_of_these_sources() -> None:
+    """Has numba cache compiled kernels by the content of their sources, before anything imports it.
+
+    Its own check looks at the file of a kernel alone: after an edit of what the kernel calls in another file,
+    it would go on with the machine code of before.
+    """
+    sources = [*sorted((CORE / "_kernels").glob("*.py")), CORE / "_angle_ratio.py"]
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    for older in CACHES.glob("*"):
+        if older.name != digest:
+            shutil.rmtree(older, ignore_errors=True)
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHES / digest))
+
+
+use_kernels_of_these_sources()
 
 OPTIONS_OF = {
     "pytestqt": ["qt_api"],

@@ -15,9 +15,8 @@ EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 @pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_example_runs(path: Path) -> None:
-    run = subprocess.run(
-        [sys.executable, "-W", "error", str(path)], capture_output=True, text=True, env=os.environ, check=False
-    )
+    command = [sys.executable, "-W", "error", str(path)]
+    run = subprocess.run(command, capture_output=True, text=True, env=os.environ, check=False)
     assert run.returncode == 0, run.stderr
     assert run.stdout.strip()
     assert len(path.read_text().splitlines()) <= 40

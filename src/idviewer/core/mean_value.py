@@ -99,7 +99,7 @@ class MeanValueCoordinates:
         return result
 
     def _by_row(self, values: Floats) -> Floats:
-        """The values in the order of the surface's rows, kept where they are asked for again and cannot change."""
+        """The values in the order of the surface's rows; those that cannot change are kept."""
         if self._arranged is not None and self._arranged[0] is values:
             return self._arranged[1]
         by_row = np.ascontiguousarray(values[self._surface.vertices])

@@ -223,9 +223,13 @@ class Session:
 
 
 def default_plane(mesh: Mesh) -> Plane:
-    """The plane through the middle of the bounding box, across its shortest side: the broadest view."""
+    """The plane through the middle of the bounding box, across its shortest side: the broadest view.
+
+    Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
+    """
     axis = list(AXES)[int(np.argmin(np.ptp(mesh.bounds, axis=0)))]
-    return Plane.along(axis, 0.5, mesh.bounds)
+    plane = Plane.along(axis, 0.5, mesh.bounds)
+    return Plane(plane.origin, (0.0, -1.0, 0.0)) if axis == "y" else plane
 
 
 def point_of(values: object) -> Point:
