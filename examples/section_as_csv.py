@@ -5,12 +5,12 @@ import sys
 import numpy as np
 
 from idviewer.core import InteriorDistance, Plane, read_mesh, sample_path, section
-from idviewer.core.slice_mesh import inner_nodes, spacing_for
+from idviewer.core.slice_mesh import slice_mesh, spacing_for
 
 human = read_mesh(sample_path("human_2k"))
 solver = InteriorDistance(human)
 cut = section(human, Plane.along("y", 0.5, human.bounds))
-points = inner_nodes(cut, spacing_for(cut, 200))
+points = slice_mesh(cut, spacing_for(cut, 200)).node_points
 distances = solver.field(solver.barycentroid().point, points)
 table = np.column_stack([points, distances])
 np.savetxt(sys.stdout, table, delimiter=",", fmt="%.6g", header="x,y,z,distance", comments="")

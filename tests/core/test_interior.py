@@ -7,7 +7,15 @@ import pytest
 from tests.core import shapes
 from tests.core.test_mean_value import BODIES, inner_points
 
-from idviewer.core import DISTANCES, Diffusion, Euclidean, InteriorDistance, Mesh, interior_distance
+from idviewer.core import (
+    DISTANCES,
+    Diffusion,
+    Euclidean,
+    InteriorDistance,
+    Mesh,
+    interior_distance,
+    voronoi_areas,
+)
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +127,17 @@ def test_the_barycentroid_lies_inside_and_lower_than_all_that_was_sampled(name, 
     assert found.potential <= np.nanmin(solver.potential(around))
 
 
+@pytest.mark.parametrize("thickness", [1e-2, 1e-3])
+def test_a_thin_sheet_has_a_barycentroid_too(thickness):
+    vertices, faces = shapes.cube()
+    for _ in range(3):
+        vertices, faces = shapes.subdivided(vertices, faces)
+    sheet = Mesh(vertices * [1.0, 1.4, thickness], faces)
+    found = InteriorDistance(sheet, Diffusion(time=0.1)).barycentroid().point
+    assert 0 < found[2] < thickness
+    np.testing.assert_allclose(found[:2], [0.5, 0.7], atol=0.05)
+
+
 def test_the_barycentroid_of_a_box_is_its_centre_and_the_euclidean_one_the_surface_s_centroid():
     vertices, faces = shapes.cube()
     for _ in range(3):
@@ -127,8 +146,6 @@ def test_the_barycentroid_of_a_box_is_its_centre_and_the_euclidean_one_the_surfa
     np.testing.assert_allclose(InteriorDistance(box).barycentroid().point, [0.5, 0.65, 0.95], atol=1e-4)
     body = BODIES["bumpy sphere"]
     solver = InteriorDistance(body, Euclidean())
-    from idviewer.core import voronoi_areas
-
     expected = voronoi_areas(body) @ body.vertices / body.area
     np.testing.assert_allclose(solver.barycentroid().point, expected, atol=1e-6)
 

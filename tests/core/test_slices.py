@@ -10,7 +10,7 @@ from tests.core.test_mean_value import BODIES, winding_numbers
 from idviewer.core.mesh import Mesh
 from idviewer.core.plane import Plane
 from idviewer.core.rays import Ray, crossings, middle_of_first_chord
-from idviewer.core.slice_mesh import inner_nodes, refined, slice_mesh, spacing_for
+from idviewer.core.slice_mesh import refined, slice_mesh, spacing_for
 from idviewer.core.slices import section
 
 
@@ -72,7 +72,6 @@ def test_slice_meshes_fill_the_section_exactly(name, samples, rng):
         np.testing.assert_allclose(filled.points[: len(cut.flat)], cut.points, atol=0)
         if len(filled.nodes):
             assert (winding_numbers(mesh, filled.node_points) > 0.5).all()
-        np.testing.assert_array_equal(inner_nodes(cut, filled.spacing), filled.node_points)
 
 
 def test_every_side_but_the_outline_s_is_shared_by_two_triangles(rng):

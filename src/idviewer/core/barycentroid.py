@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import AXES, Plane
-from idviewer.core.slice_mesh import inner_nodes, spacing_for
+from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
 from idviewer.core.slices import section
-
-if TYPE_CHECKING:
-    from idviewer.core.interior import InteriorDistance
 
 Floats = NDArray[np.float64]
 Evaluate = Callable[[Floats], Generator[float | None, None, Floats]]
@@ -43,29 +39,28 @@ class Barycentroid:
     path: Floats
 
 
-def barycentroid_steps(solver: InteriorDistance) -> Generator[float | None, None, Barycentroid]:
+def barycentroid_steps(mesh: Mesh, potential: Evaluate) -> Generator[float | None, None, Barycentroid]:
     """Find the barycentroid; yields the share done, or None, every few milliseconds.
 
     U may have several local minima. The interior is sampled coarsely, descents start from the lowest
     samples that lie well apart, and the lowest end wins; it cannot be higher than any sample. Source:
     Rustamov et al. 2009, section 7.
 
+    Args:
+        mesh: where to look.
+        potential: U at (p, 3) points, (p,), NaN outside, as a generator.
+
     Raises:
         MeshError: no point inside the mesh could be found.
     """
-
-    def potential(points: Floats) -> Generator[float | None, None, Floats]:
-        samples = yield from solver.sample_steps(points)
-        return np.linalg.norm(samples * solver.scale - solver.centre, axis=1)
-
-    samples = interior_samples(solver.mesh)
+    samples = interior_samples(mesh)
     values = yield from potential(samples)
     inside = np.isfinite(values)
     if not inside.any():
         raise MeshError("no point inside the mesh was found; is it thinner than its coordinates' rounding?")
     best: Barycentroid | None = None
-    for start in _lowest_apart(samples[inside], values[inside], 0.1 * solver.mesh.diagonal):
-        candidate = yield from _descend(potential, start, solver.mesh.diagonal)
+    for start in _lowest_apart(samples[inside], values[inside], 0.1 * mesh.diagonal):
+        candidate = yield from _descend(potential, start, mesh.diagonal)
         if best is None or candidate.potential < best.potential:
             best = candidate
     assert best is not None
@@ -79,10 +74,16 @@ def interior_samples(mesh: Mesh) -> Floats:
     for fraction in (np.arange(LAYERS) + 0.5) / LAYERS:
         cut = section(mesh, Plane.along(axis, float(fraction), mesh.bounds))
         if cut.area > 0.0:
-            spacing = spacing_for(cut, SAMPLES_A_LAYER)
-            nodes = inner_nodes(cut, spacing)
-            layers.append(nodes if len(nodes) else inner_nodes(cut, 0.5 * spacing))
+            filled = slice_mesh(cut, spacing_for(cut, SAMPLES_A_LAYER))
+            layers.append(filled.node_points if len(filled.nodes) else _largest_triangles(filled))
     return np.concatenate(layers) if layers else np.empty((0, 3))
+
+
+def _largest_triangles(filled: SliceMesh) -> Floats:
+    """Middles of a section's largest triangles: inner points also where it is thinner than the lattice."""
+    corners = filled.points[filled.triangles]
+    sizes = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return corners[np.argsort(-sizes, kind="stable")[:SAMPLES_A_LAYER]].mean(axis=1)
 
 
 def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:

@@ -158,11 +158,20 @@ class InteriorDistance:
         Returns:
             (p,), NaN for points outside the mesh.
         """
-        return np.linalg.norm(self.embed(points) - self.centre, axis=1)
+        return finish(self.potential_steps(points))
+
+    def potential_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
+        """`potential` as a generator that yields the share done every few milliseconds."""
+        samples = yield from self.sample_steps(points)
+        return np.linalg.norm(samples * self.scale - self.centre, axis=1)
 
     def barycentroid(self) -> Barycentroid:
         """The point inside where the potential is smallest; see `idviewer.core.barycentroid`."""
-        return finish(barycentroid_steps(self))
+        return finish(self.barycentroid_steps())
+
+    def barycentroid_steps(self) -> Generator[float | None, None, Barycentroid]:
+        """`barycentroid` as a generator that yields every few milliseconds."""
+        return barycentroid_steps(self.mesh, self.potential_steps)
 
 
 def interior_distance(mesh: Mesh, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:

@@ -79,15 +79,6 @@ def slice_mesh(section: Section, spacing: float) -> SliceMesh:
     return SliceMesh(section, spacing, nodes + grid.lowest, triangles)
 
 
-def inner_nodes(section: Section, spacing: float) -> Floats:
-    """(q, 3) the lattice points that `slice_mesh` would use, without the triangles."""
-    if not section.loops:
-        return np.empty((0, 3))
-    grid = _Grid.around(section.flat, spacing)
-    nodes, _ = _corners_of(grid.full_cells(section))
-    return section.lift((nodes + grid.lowest) * spacing)
-
-
 def spacing_for(section: Section, samples: int) -> float:
     """The lattice constant that puts about so many nodes into the section."""
     return math.sqrt(max(section.area, 0.0) / samples)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import InteriorDistance, Mesh, MeshError, Plane, read_mesh
-from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
+from idviewer.core.barycentroid import Barycentroid
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.core.steps import finish
@@ -134,7 +134,7 @@ def _preparation(request: FrameRequest) -> Generator[Progress, None, _Prepared]:
             yield Progress("Computing eigenpairs", share)
     solver = InteriorDistance(mesh, distance, spectrum=spectrum)
     yield Progress("Finding the barycentroid")
-    descent = barycentroid_steps(solver)
+    descent = solver.barycentroid_steps()
     while True:
         try:
             next(descent)
