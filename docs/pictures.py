@@ -43,6 +43,8 @@ def gallery_cell(name: str) -> np.ndarray:
     plane = Plane.along(axis, fraction or 0.5, mesh.bounds)
     if fraction is None:
         plane = Plane(tuple(middle.tolist()), plane.normal)
+    if axis == "y":
+        plane = Plane(plane.origin, (0.0, -1.0, 0.0))  # the front
     frame = run_to_end(mesh, Query(planes=(plane,)))
     points = frame.slices[0].points
     source = points[points[:, 2 if end == "top" else int(np.argmax(np.ptp(points, axis=0)))].argmax()]
@@ -56,7 +58,7 @@ def potential_cell(name: str) -> np.ndarray:
     """A shape with the isolines of U and the barycentroid."""
     mesh = read_mesh(sample_path(name))
     middle = run_to_end(mesh, Query()).barycentroid
-    planes = (Plane(tuple(middle.tolist()), (0.0, 1.0, 0.0)),)
+    planes = (Plane(tuple(middle.tolist()), (0.0, -1.0, 0.0)),)
     display = Display(scale_bar=False, barycentroid=True, isolines=24)
     return cell(mesh, Query(planes=planes, quantity="potential"), display)
 
@@ -100,6 +102,7 @@ def window_picture(path: Path) -> None:
     grabbed.save(str(path))
     save(path.name, np.asarray(Image.open(path).convert("RGB")))
     window.close()
+    application.shutdown()
     if display is not None:
         display.stop()
 
