@@ -270,3 +270,17 @@ def test_it_draws_once_for_many_requests(qtbot: QtBot, window: MainWindow) -> No
         assert len(draws) == 1
     finally:
         renderer.RemoveObserver(tag)
+
+
+def test_without_a_graphics_card_a_drag_is_drawn_without_smoothing(mouse: Mouse, window: MainWindow) -> None:
+    viewport = window.viewport
+    samples = viewport._plotter.GetRenderWindow().GetMultiSamples
+    smooth = samples()
+    during: list[int] = []
+    viewport.dragged.connect(lambda _: during.append(samples()))
+    where = grip(viewport, Part.PUSH)
+    mouse.drag(viewport, where, (where[0] - 30, where[1] + 20))
+    assert smooth > 0
+    assert during
+    assert set(during) == {0}
+    assert samples() == smooth
