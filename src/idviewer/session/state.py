@@ -18,6 +18,10 @@ Quantity = Literal["distance", "potential"]
 Point = tuple[float, float, float]
 
 
+class QueryError(ValueError):
+    """A query that has no answer; one line says why."""
+
+
 @dataclass(frozen=True)
 class Query:
     """What to compute.
