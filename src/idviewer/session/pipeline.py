@@ -24,6 +24,7 @@ from idviewer.session.state import (
     Point,
     Progress,
     Query,
+    QueryError,
     Ready,
     Request,
     Result,
@@ -102,7 +103,7 @@ def run_to_end(mesh: Mesh, query: Query) -> Frame:
 
     Raises:
         MeshError: the mesh cannot carry the distance.
-        ValueError: the source lies outside the mesh.
+        QueryError: the source lies outside the mesh.
     """
     last: Frame | None = None
     for result in Pipeline().results(FrameRequest(mesh, query)):
@@ -167,7 +168,7 @@ class _Prepared:
             row = finish(steps)[0] * self.solver.scale
             if not np.isfinite(row).all():
                 place = ", ".join(f"{value:.6g}" for value in point)
-                raise ValueError(
+                raise QueryError(
                     f"the source ({place}) lies outside the mesh; choose a point inside or on it"
                 )
             self._source = (source, row)

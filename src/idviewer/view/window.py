@@ -16,7 +16,7 @@ from idviewer.core import Mesh, MeshError
 from idviewer.core.rays import Ray
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.session.session import Session
-from idviewer.session.state import Frame, Progress, Ready, State
+from idviewer.session.state import Frame, Progress, QueryError, Ready, State
 from idviewer.view import dialogs, images
 from idviewer.view.dialogs import PictureRequest
 from idviewer.view.help import HelpSheet
@@ -132,8 +132,9 @@ class MainWindow(QMainWindow):
             self.status.show_progress(Progress("Refining"))
 
     def on_failed(self, error: BaseException) -> None:
-        """One line for the user, the trace for the log."""
-        LOG.error("%s", error, exc_info=error)
+        """One line for the user; for the log the trace too, where the error is ours and not the input's."""
+        expected = isinstance(error, MeshError | QueryError | OSError)
+        LOG.error("%s", error, exc_info=None if expected else error)
         path = self._asked
         if isinstance(error, MeshError) and error.components and path is not None:
             several = f"{path.name} has {len(error.components)} components, and distances need a single one."
