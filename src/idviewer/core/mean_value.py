@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from threadpoolctl import ThreadpoolController
 
 from idviewer.core import _kernels
 from idviewer.core._kernels.surface import curve_order, patched
@@ -62,13 +61,10 @@ class MeanValueCoordinates:
         points = as_points(points)
         result = np.empty((len(points), self._vertex_count))
         for chosen, packed in self._batches(points):
-            weights = np.empty((len(packed), self._vertex_count, _kernels.LANES))
+            rows = np.empty((len(packed), _kernels.LANES, self._vertex_count))
             states = np.empty((len(packed), _kernels.LANES), dtype=np.int8)
-            _kernels.mean_value_weights(
-                packed, self._surface, self._tolerance, self._scratch, weights, states
-            )
-            rows = weights.transpose(0, 2, 1).reshape(states.size, -1)
-            result[chosen] = _known(rows, states)[: len(chosen)]
+            _kernels.mean_value_weights(packed, self._surface, self._tolerance, self._scratch, rows, states)
+            result[chosen] = _known(rows.reshape(states.size, -1), states)[: len(chosen)]
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
@@ -88,11 +84,7 @@ class MeanValueCoordinates:
         for chosen, packed in self._batches(points):
             rows = np.empty((len(packed), _kernels.LANES, values.shape[1]))
             states = np.empty((len(packed), _kernels.LANES), dtype=np.int8)
-            # One BLAS thread in each of ours; more would fight over the cores.
-            with _blas().limit(limits=1):
-                _kernels.interpolate(
-                    packed, self._surface, self._tolerance, self._scratch, by_row, rows, states
-                )
+            _kernels.interpolate(packed, self._surface, self._tolerance, self._scratch, by_row, rows, states)
             result[chosen] = _known(rows.reshape(states.size, -1), states)[: len(chosen)]
             done += len(chosen)
             yield done / len(points)
@@ -111,7 +103,7 @@ class MeanValueCoordinates:
     def _scratch(self) -> tuple[Floats, Floats]:
         threads, lanes = _kernels.thread_count(), _kernels.LANES
         rows = int(np.diff(self._surface.first_row).max())
-        return np.empty((threads, rows, 4, lanes)), np.empty((threads, rows, lanes))
+        return np.empty((threads, rows, 5 * lanes)), np.empty((threads, rows, lanes))
 
     def _batches(self, points: Floats) -> Generator[tuple[Ints, Floats], None, None]:
         """Indices of some points that lie together, and the points as (blocks, 3, lanes).
@@ -159,11 +151,6 @@ def as_points(points: ArrayLike) -> Floats:
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"points must have shape (p, 3), not {array.shape}")
     return array
-
-
-@cache
-def _blas() -> ThreadpoolController:
-    return ThreadpoolController().select(user_api="blas")
 
 
 def _known(rows: Floats, states: NDArray[np.int8]) -> Floats:

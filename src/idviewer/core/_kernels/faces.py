@@ -12,6 +12,9 @@ from idviewer.core._angle_ratio import SLIGHT as _S
 LANES = 16
 """Points worked on together: two of the widest vector registers of float64."""
 
+INVERSE, WEIGHT = 3 * LANES, 4 * LANES
+"""Where the inverse distances and the weights begin in a row of a view; see `look_from`."""
+
 GRAZING = 1e-3
 """Sine of the angle between a face and the view from x below which det(u_1, u_2, u_3) loses digits."""
 
@@ -44,27 +47,32 @@ def _slight_bend(s: float, c: float) -> float:
 
 @numba.njit(fastmath=FAST, error_model="numpy", cache=True)
 def look_from(x, vertices, view):  # type: ignore[no-untyped-def]
-    """Unit vectors (rows 0 to 2 of view) and inverse distances (row 3) from a block of points to vertices."""
+    """A block of points looks at vertices; each row of view then holds five runs of LANES numbers.
+
+    They are the unit vectors' x, y and z, the inverse distances, and the weights, which start at 0. One
+    flat row makes all offsets constants, without which the compiler would not vectorise the loops below.
+    """
     for i in range(vertices.shape[0]):
         vx, vy, vz = vertices[i, 0], vertices[i, 1], vertices[i, 2]
         seen = view[i]
         for lane in range(LANES):
             dx, dy, dz = vx - x[0, lane], vy - x[1, lane], vz - x[2, lane]
             over = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz + TINY)
-            seen[0, lane] = dx * over
-            seen[1, lane] = dy * over
-            seen[2, lane] = dz * over
-            seen[3, lane] = over
+            seen[lane] = dx * over
+            seen[LANES + lane] = dy * over
+            seen[2 * LANES + lane] = dz * over
+            seen[INVERSE + lane] = over
+            seen[WEIGHT + lane] = 0.0
 
 
 def _shares_with(bend_of):  # type: ignore[no-untyped-def]
     @numba.njit(fastmath=FAST, error_model="numpy", cache=True)
-    def shares(a, b, c, share):  # type: ignore[no-untyped-def]
-        """One face's shares of its corners' weights; grazing views get 0 and a mark."""
+    def add_shares(a, b, c, grazing):  # type: ignore[no-untyped-def]
+        """Add one face's shares to its corners' weights; grazing views get none and a mark."""
         for lane in range(LANES):
-            ax, ay, az = a[0, lane], a[1, lane], a[2, lane]
-            bx, by, bz = b[0, lane], b[1, lane], b[2, lane]
-            cx, cy, cz = c[0, lane], c[1, lane], c[2, lane]
+            ax, ay, az = a[lane], a[LANES + lane], a[2 * LANES + lane]
+            bx, by, bz = b[lane], b[LANES + lane], b[2 * LANES + lane]
+            cx, cy, cz = c[lane], c[LANES + lane], c[2 * LANES + lane]
             abx, aby, abz = bx - ax, by - ay, bz - az
             acx, acy, acz = cx - ax, cy - ay, cz - az
             bcx, bcy, bcz = cx - bx, cy - by, cz - bz
@@ -83,30 +91,25 @@ def _shares_with(bend_of):  # type: ignore[no-untyped-def]
             ry = ty + g_ab * ab_y + g_bc * bc_y + g_ca * ca_y
             rz = tz + g_ab * ab_z + g_bc * bc_z + g_ca * ca_z
             det = ax * tx + ay * ty + az * tz
-            grazing = det * det <= GRAZING * GRAZING * (tx * tx + ty * ty + tz * tz)
-            scale = 0.0 if grazing else 0.5 / det
-            share[0, lane] = scale * a[3, lane] * (rx * bc_x + ry * bc_y + rz * bc_z)
-            share[1, lane] = scale * b[3, lane] * (rx * ca_x + ry * ca_y + rz * ca_z)
-            share[2, lane] = scale * c[3, lane] * (rx * ab_x + ry * ab_y + rz * ab_z)
-            share[3, lane] = 1.0 if grazing else 0.0
+            flat = det * det <= GRAZING * GRAZING * (tx * tx + ty * ty + tz * tz)
+            scale = 0.0 if flat else 0.5 / det
+            grazing[lane] = 1.0 if flat else 0.0
+            a[WEIGHT + lane] += scale * a[INVERSE + lane] * (rx * bc_x + ry * bc_y + rz * bc_z)
+            b[WEIGHT + lane] += scale * b[INVERSE + lane] * (rx * ca_x + ry * ca_y + rz * ca_z)
+            c[WEIGHT + lane] += scale * c[INVERSE + lane] * (rx * ab_x + ry * ab_y + rz * ab_z)
 
-    return shares
+    return add_shares
 
 
-near_shares = _shares_with(bend)
-far_shares = _shares_with(_slight_bend)
+add_near_shares = _shares_with(bend)
+add_far_shares = _shares_with(_slight_bend)
 """For faces seen under small angles: shorter polynomials, and one division in all."""
 
 
 @numba.njit(fastmath=FAST | {"reassoc"}, error_model="numpy", cache=True)
-def accumulate(w_a, w_b, w_c, share):  # type: ignore[no-untyped-def]
-    """Add the shares to the weights; return how many of the views are grazing."""
-    count = 0.0
+def total(values):  # type: ignore[no-untyped-def]
+    """Sum of LANES numbers."""
+    result = 0.0
     for lane in range(LANES):
-        w_a[lane] += share[0, lane]
-    for lane in range(LANES):
-        w_b[lane] += share[1, lane]
-    for lane in range(LANES):
-        w_c[lane] += share[2, lane]
-        count += share[3, lane]
-    return count
+        result += values[lane]
+    return result
