@@ -27,7 +27,7 @@ def compile_steps() -> Generator[float, None, None]:
         lambda: grazing.grazing_shares((0.0, 0.0, 0.0), x, y, z, 0.0),
         lambda: blocks.warm_up(point[0], surface, 0.0, (view[0], weights[0])),
         lambda: kernels.mean_value_weights(
-            point, surface, 0.0, (view, weights), np.zeros((1, LANES, 4)), states
+            point, surface, 0.0, (view, weights), np.zeros((1, LANES), dtype=np.int64), np.zeros((1, 4))
         ),
         lambda: kernels.interpolate(
             point, surface, 0.0, (view, weights), corners, np.zeros((1, LANES, 3)), states

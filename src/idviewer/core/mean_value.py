@@ -61,10 +61,9 @@ class MeanValueCoordinates:
         points = as_points(points)
         result = np.empty((len(points), self._vertex_count))
         for chosen, packed in self._batches(points):
-            rows = np.empty((len(packed), _kernels.LANES, self._vertex_count))
-            states = np.empty((len(packed), _kernels.LANES), dtype=np.int8)
-            _kernels.mean_value_weights(packed, self._surface, self._tolerance, self._scratch, rows, states)
-            result[chosen] = _known(rows.reshape(states.size, -1), states)[: len(chosen)]
+            places = np.full((len(packed), _kernels.LANES), -1)
+            places.ravel()[: len(chosen)] = chosen
+            _kernels.mean_value_weights(packed, self._surface, self._tolerance, self._scratch, places, result)
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:

@@ -36,6 +36,14 @@ def _sees_slight_angles(x, ball, longest):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+def _find_closest(view, closest):  # type: ignore[no-untyped-def]
+    """The largest inverse distance of each row to any point of the block."""
+    for i in range(closest.shape[0]):
+        for lane in range(LANES):
+            closest[i] = max(closest[i], view[i, INVERSE + lane])
+
+
+@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
 def _land_on_vertices(view, count, first_row, tolerance, landing):  # type: ignore[no-untyped-def]
     """Note which points lie on a vertex."""
     touched, rows, shares = landing
@@ -60,12 +68,14 @@ def _weigh_patch(x, surface, patch, tolerance, scratch, landing, totals):  # typ
     positions = surface.positions[first_row:end_row]
     look_from(x, positions, view)
     slight = _sees_slight_angles(x, surface.balls[patch], surface.longest[patch])
+    closest = np.zeros(end_row - first_row)
     if not slight:
         _land_on_vertices(view, end_row - first_row, first_row, tolerance, landing)
+        _find_closest(view, closest)
     grazing = np.empty(LANES)
     for f in range(surface.first_face[patch], surface.first_face[patch + 1]):
         i, j, k = row(surface.faces, f)
-        if slight:
+        if slight or surface.edges[f] * max(closest[i], closest[j], closest[k]) < SLIGHT_CHORD:
             add_far_shares(view[i], view[j], view[k], grazing)
         else:
             add_near_shares(view[i], view[j], view[k], grazing)
@@ -140,20 +150,23 @@ def _add_product(weights, count, values, first, result):  # type: ignore[no-unty
 
 
 @numba.njit(fastmath=FAST, error_model="numpy", cache=True)
-def _write_weights(weights, totals, landing, vertices, result):  # type: ignore[no-untyped-def]
-    """Normalise a block's weights (n, LANES) into result (LANES, n)."""
+def _write_weights(weights, totals, landing, vertices, places, result):  # type: ignore[no-untyped-def]
+    """Normalise a block's weights (n, LANES) into the rows of result at places; NaN for points outside."""
     touched, rows, shares = landing
     for lane in range(LANES):
-        scale = 0.0 if touched[lane] else 1.0 / totals[lane]
+        if places[lane] < 0:
+            continue
+        row_of_result = result[places[lane]]
+        scale = 0.0 if touched[lane] else (1.0 / totals[lane] if totals[lane] > 0.0 else np.nan)
         for i in range(weights.shape[0]):
-            result[lane, i] = scale * weights[i, lane]
+            row_of_result[i] = scale * weights[i, lane]
         if touched[lane]:
             for corner in range(3):
-                result[lane, vertices[rows[lane, corner]]] += shares[lane, corner]
+                row_of_result[vertices[rows[lane, corner]]] += shares[lane, corner]
 
 
 @numba.njit(parallel=True, fastmath=FAST, error_model="numpy", cache=True)
-def mean_value_weights(points, surface, tolerance, scratch, result, states):  # type: ignore[no-untyped-def]
+def mean_value_weights(points, surface, tolerance, scratch, places, result):  # type: ignore[no-untyped-def]
     """Exact mean value weights of many points; Ju, Schaefer and Warren 2005, vectorised over points.
 
     Args:
@@ -161,12 +174,12 @@ def mean_value_weights(points, surface, tolerance, scratch, result, states):  # 
         surface: a `Surface`.
         tolerance: how near the surface a point counts as lying on it.
         scratch: view (threads, r, 5 LANES) and weights (threads, r, LANES), r the rows of the largest patch.
-        result: (blocks, LANES, n) output; the weights, which add up to 1 over the vertices.
-        states: (blocks, LANES) int8 output; OUTSIDE, INSIDE or ON_SURFACE.
+        places: (blocks, LANES) row of the result for each point, -1 for none.
+        result: (p, n) output; rows that add up to 1, NaN for points outside.
     """
     view, patch_weights = scratch
     for worker in numba.prange(view.shape[0]):
-        weights = np.empty((result.shape[2], LANES))
+        weights = np.empty((result.shape[1], LANES))
         for block in range(worker, points.shape[0], view.shape[0]):
             landing = _no_landing()
             totals = np.zeros(LANES)
@@ -179,8 +192,7 @@ def mean_value_weights(points, surface, tolerance, scratch, result, states):  # 
                     vertex = surface.vertices[first + i]
                     for lane in range(LANES):
                         weights[vertex, lane] += own[1][i, lane]
-            _sides(totals, landing[0], states[block])
-            _write_weights(weights, totals, landing, surface.vertices, result[block])
+            _write_weights(weights, totals, landing, surface.vertices, places[block], result)
 
 
 @numba.njit(parallel=True, fastmath=FAST, error_model="numpy", cache=True)

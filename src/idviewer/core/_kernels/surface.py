@@ -24,6 +24,7 @@ class Surface(NamedTuple):
         faces: (m, 3) int32 rows of each face, counted from its patch's first.
         first_face: (patches + 1,) where a patch's faces begin.
         balls: (patches, 4) centre and radius of a ball around a patch.
+        edges: (m,) longest edge of each face.
         longest: (patches,) longest edge of a patch.
     """
 
@@ -33,6 +34,7 @@ class Surface(NamedTuple):
     faces: NDArray[np.int32]
     first_face: Ints
     balls: Floats
+    edges: Floats
     longest: Floats
 
 
@@ -40,26 +42,19 @@ def patched(positions: Floats, faces: Ints) -> Surface:
     """Cut a mesh, (n, 3) positions and (m, 3) faces, into patches along a space-filling curve."""
     faces = faces[curve_order(positions[faces].mean(axis=1))]
     first_face = np.append(np.arange(0, len(faces), FACES_IN_A_PATCH), len(faces))
-    vertices, local, balls, longest = [], np.empty(faces.shape, dtype=np.int32), [], []
+    corners = positions[faces]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    vertices, local, balls = [], np.empty(faces.shape, dtype=np.int32), []
     for start, end in pairwise(first_face.tolist()):
         rows, index = np.unique(faces[start:end], return_inverse=True)
-        corners = positions[faces[start:end]]
         centre = positions[rows].mean(axis=0)
         vertices.append(rows)
         local[start:end] = index.reshape(-1, 3)
         balls.append([*centre, np.linalg.norm(positions[rows] - centre, axis=1).max()])
-        longest.append(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
     first_row = np.append(0, np.cumsum([len(rows) for rows in vertices]))
     ids = np.concatenate(vertices)
-    return Surface(
-        ids,
-        positions[ids],
-        first_row,
-        local,
-        first_face,
-        np.array(balls),
-        np.array(longest, dtype=np.float64),
-    )
+    longest = np.maximum.reduceat(edges, first_face[:-1])
+    return Surface(ids, positions[ids], first_row, local, first_face, np.array(balls), edges, longest)
 
 
 def curve_order(points: Floats) -> Ints:
