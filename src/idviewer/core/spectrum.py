@@ -30,8 +30,8 @@ BLOCK = 6
 representation of a finite point group, the icosahedron's), and a block finds as many copies as it is wide."""
 
 RESIDUAL = 1e-6
-CHECK_AFTER = 0.1
-"""Growth of the basis after which it is looked at again."""
+FAR_GROWTH, NEAR_GROWTH = 0.3, 0.1
+"""Growth of the basis after which it is looked at again: long before the expected end, and near it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +93,10 @@ def eigenpair_steps(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff)
     shift = 0.5 * math.pi / masses.sum()
     krylov = _BlockKrylov(_factor(laplacian, shift * masses), np.sqrt(masses), shift)
     yield 0.05
+    expected = math.inf
     while True:
-        for _ in range(max(2, round(CHECK_AFTER * krylov.size / BLOCK))):
+        growth = FAR_GROWTH if krylov.size < 2.5 * expected else NEAR_GROWTH
+        for _ in range(min(krylov.room, max(2, round(growth * krylov.size / BLOCK)))):
             yield from krylov.expand()
         values, coefficients, residuals = krylov.ritz_pairs()
         bound = cutoff(values[0])
@@ -103,7 +105,7 @@ def eigenpair_steps(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff)
         if kept < len(values) and residuals[: kept + 1].max() < RESIDUAL:
             break
         expected = float(masses.sum()) * bound / (4.0 * math.pi)  # Weyl's law
-        if krylov.exhausted or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
+        if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
             raise MeshError(
                 f"the distance asks for about {expected:.0f} modes, more than a mesh of {len(masses)} "
                 "vertices can carry; choose a longer diffusion time or a finer mesh"
@@ -146,8 +148,9 @@ class _BlockKrylov:
         self.size = 1
 
     @property
-    def exhausted(self) -> bool:
-        return self.size + 2 * BLOCK > len(self._roots)
+    def room(self) -> int:
+        """How many blocks the space can still hold."""
+        return max(0, (len(self._roots) - self.size) // BLOCK - 1)
 
     def expand(self) -> Generator[None, None, None]:
         """Add one block to the basis."""
