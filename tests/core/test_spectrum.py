@@ -58,6 +58,7 @@ def test_areas_add_up_and_match_voronoi_cells():
     np.testing.assert_allclose(voronoi_areas(Mesh(vertices, faces))[inner], 1 / 16, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_spectrum_is_that_of_a_dense_solver(monkeypatch):
     mesh = stretched(3)
     masses = voronoi_areas(mesh)
@@ -79,6 +80,7 @@ def test_eigenvectors_solve_the_equation_and_are_orthonormal(sphere):
     np.testing.assert_allclose(spectrum.masses @ spectrum.vectors, 0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_no_mode_of_a_sphere_is_missed_though_many_are_equal(sphere):
     """l(l+1) comes 2l+1 times; all groups that lie clear of the cut-off must be whole."""
     spectrum = eigenpairs(sphere, lambda lambda_2: 28 * lambda_2)
@@ -93,6 +95,7 @@ def _shifted(mesh: Mesh, shift: float) -> np.ndarray:
     return cotangent_laplacian(mesh).toarray() - shift * np.diag(voronoi_areas(mesh))
 
 
+@pytest.mark.slow
 def test_eigenvalues_of_a_sphere_converge_at_second_order():
     expected = np.array([2.0] * 3 + [6.0] * 5 + [12.0] * 7)
     errors = []

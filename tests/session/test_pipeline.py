@@ -72,6 +72,7 @@ def test_the_last_frame_is_a_direct_computation(pipeline, solver):
     np.testing.assert_allclose(one.values[~inner], near, atol=1e-6 * expected.max())
 
 
+@pytest.mark.slow
 def test_coarse_frames_come_first_and_state_their_error(pipeline, solver):
     pipeline._prepared._samples.clear()
     frames = frames_of(pipeline, QUERY)

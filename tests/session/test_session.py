@@ -224,6 +224,7 @@ def test_closing_in_the_middle_is_quiet_and_can_be_repeated(desk):
     desk.session.close()
 
 
+@pytest.mark.slow
 def test_a_recording_replays_to_the_same_frame(settled, tmp_path):
     path = tmp_path / "egg.off"
     write_off(path, MESH)
