@@ -309,7 +309,7 @@ class TestRender:
 
     def test_an_unknown_distance(self, run: Run, body: str) -> None:
         told = refused(run("render", body, "out.png", "--distance", "manhattan"))
-        assert "--distance manhattan: there is no such distance; there are: diffusion, euclidean" in told
+        assert "--distance manhattan: there is no such distance; there are: diffusion, gps, biharmonic, euclidean" in told
 
     @pytest.mark.parametrize(
         ("out", "part"),

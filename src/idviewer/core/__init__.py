@@ -6,7 +6,16 @@ Symposium on Geometry Processing 2009; "the paper" in these pages.
 
 from idviewer.core.barycentroid import Barycentroid
 from idviewer.core.diagnosis import diagnose
-from idviewer.core.distances import DISTANCES, Diffusion, Distance, Euclidean
+from idviewer.core.distances import (
+    DISTANCES,
+    GPS,
+    Biharmonic,
+    Diffusion,
+    Distance,
+    Euclidean,
+    Parameter,
+    parameters_of,
+)
 from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
 from idviewer.core.io import read_mesh
 from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
@@ -20,7 +29,9 @@ from idviewer.core.spectrum import Spectrum, eigenpairs
 __all__ = [
     "COORDINATES",
     "DISTANCES",
+    "GPS",
     "Barycentroid",
+    "Biharmonic",
     "Diffusion",
     "Distance",
     "Euclidean",
@@ -28,6 +39,7 @@ __all__ = [
     "MeanValueCoordinates",
     "Mesh",
     "MeshError",
+    "Parameter",
     "Plane",
     "Section",
     "Spectrum",
@@ -36,6 +48,7 @@ __all__ = [
     "eigenpairs",
     "interior_distance",
     "mean_value_weights",
+    "parameters_of",
     "read_mesh",
     "sample_names",
     "sample_path",

@@ -3,16 +3,34 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.mesh import Mesh
-from idviewer.core.spectrum import SMALLEST_KEPT, Spectrum, paper_cutoff
+from idviewer.core.spectrum import SMALLEST_KEPT, Spectrum, paper_cutoff, paper_time
 
 Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that shapes a distance: metadata of a field that is None where the default is meant.
+
+    Attributes:
+        title: in words.
+        symbol: in formulas.
+        default: from lambda_2, the first non-zero eigenvalue, to the value that None stands for.
+        span: smallest and largest value to offer, as multiples of the default.
+    """
+
+    title: str
+    symbol: str
+    default: Callable[[float], float]
+    span: tuple[float, float]
 
 
 class Distance(Protocol):
@@ -22,6 +40,7 @@ class Distance(Protocol):
     changes the scale alone (a diffusion time) reuses every sample.
     """
 
+    __dataclass_fields__: ClassVar[dict[str, Any]]
     name: ClassVar[str]
     title: ClassVar[str]
     spectral: ClassVar[bool]
@@ -37,6 +56,9 @@ class Distance(Protocol):
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """Name and parameters in words, for a scale bar."""
+
+
+TIME = Parameter("Time", "t", paper_time, (1 / 8, 64.0))
 
 
 @dataclass(frozen=True)
@@ -59,15 +81,16 @@ class Diffusion:
     title: ClassVar[str] = "Diffusion distance"
     spectral: ClassVar[bool] = True
 
-    time: float | None = None
+    time: float | None = field(default=None, metadata={"parameter": TIME})
 
     def __post_init__(self) -> None:
         if self.time is not None and not (math.isfinite(self.time) and self.time > 0.0):
             raise ValueError(f"the diffusion time must be a positive number, not {self.time}")
 
     def cutoff(self, lambda_2: float) -> float:
-        """The bound below which exp(-lambda t) stays above 1e-6."""
-        return paper_cutoff(lambda_2) if self.time is None else -math.log(SMALLEST_KEPT) / self.time
+        """The bound below which exp(-lambda t) stays above 1e-6; for long times the paper's."""
+        paper = paper_cutoff(lambda_2)
+        return paper if self.time is None else max(paper, -math.log(SMALLEST_KEPT) / self.time)
 
     def basis(self, mesh: Mesh, spectrum: Spectrum | None) -> Floats:
         """The eigenvectors."""
@@ -79,11 +102,78 @@ class Diffusion:
 
     def resolved_time(self, spectrum: Spectrum) -> float:
         """The time t that is used, in the mesh's unit squared."""
-        return 1.0 / (8.0 * float(spectrum.values[0])) if self.time is None else self.time
+        return paper_time(float(spectrum.values[0])) if self.time is None else self.time
 
     def describe(self, spectrum: Spectrum | None) -> str:
-        """Such as "Diffusion distance, t = 0.0123"."""
-        return f"{self.title}, t = {self.resolved_time(_needed(spectrum)):.3g}"
+        """Such as "Diffusion distance, t = 0.0123"; says so where the time asks for further modes."""
+        known = _needed(spectrum)
+        time = self.resolved_time(known)
+        words = f"{self.title}, t = {time:.3g}"
+        if known.bound < (1.0 - 1e-9) * self.cutoff(float(known.values[0])):
+            words += f"; modes left out weigh up to {_percentage(math.exp(-known.bound * time))}"
+        return words
+
+
+class _PowerOfEigenvalues:
+    """A distance whose embedding is (lambda_k^exponent phi_k)_k, cut off where the paper does."""
+
+    title: ClassVar[str]
+    exponent: ClassVar[float]
+    spectral: ClassVar[bool] = True
+
+    def cutoff(self, lambda_2: float) -> float:
+        """The paper's, 110.5 lambda_2."""
+        return paper_cutoff(lambda_2)
+
+    def basis(self, mesh: Mesh, spectrum: Spectrum | None) -> Floats:
+        """The eigenvectors."""
+        return _needed(spectrum).vectors
+
+    def scale(self, spectrum: Spectrum | None) -> Floats:
+        """lambda^exponent."""
+        return _needed(spectrum).values ** self.exponent
+
+    def describe(self, spectrum: Spectrum | None) -> str:
+        """Such as "Biharmonic distance, 76 modes"."""
+        count = len(_needed(spectrum).values)
+        return f"{self.title}, {count} mode{'s' if count > 1 else ''}"
+
+
+@dataclass(frozen=True)
+class GPS(_PowerOfEigenvalues):
+    """Distance of the global point signatures (lambda_k^(-1/2) phi_k)_k; it has no parameter.
+
+    With all modes its square is the commute time between two vertices up to a factor, z^T L^+ z with z the
+    difference of their unit vectors; the paper's cut-off truncates that. It depends on how many modes
+    there are: on a surface the sum diverges logarithmically with resolution. Source: Rustamov 2007,
+    "Laplace-Beltrami eigenfunctions for deformation invariant shape representation"; for the commute time
+    Yen et al. 2007, and Rustamov et al. 2009, section 4.
+
+    >>> GPS.exponent, GPS().cutoff(1.0) == Diffusion().cutoff(1.0)
+    (-0.5, True)
+    """
+
+    name: ClassVar[str] = "gps"
+    title: ClassVar[str] = "GPS / commute-time distance"
+    exponent: ClassVar[float] = -0.5
+
+
+@dataclass(frozen=True)
+class Biharmonic(_PowerOfEigenvalues):
+    """Biharmonic distance: the embedding is (phi_k / lambda_k)_k; it has no parameter.
+
+    Its sum converges with resolution: each mode beyond the paper's cut-off weighs less than 1 % of the
+    first. With all modes its square is g^T M g, where L g = z, g has mean 0 (1^T M g = 0), and z is the
+    difference of two vertices' unit vectors. Source: Lipman, Rustamov and Funkhouser 2010, "Biharmonic
+    distance".
+
+    >>> Biharmonic.exponent, Biharmonic().cutoff(1.0) == Diffusion().cutoff(1.0)
+    (-1.0, True)
+    """
+
+    name: ClassVar[str] = "biharmonic"
+    title: ClassVar[str] = "Biharmonic distance"
+    exponent: ClassVar[float] = -1.0
 
 
 @dataclass(frozen=True)
@@ -120,5 +210,20 @@ def _needed(spectrum: Spectrum | None) -> Spectrum:
     return spectrum
 
 
-DISTANCES: dict[str, type[Distance]] = {kind.name: kind for kind in (Diffusion, Euclidean)}
+def _percentage(share: float) -> str:
+    """A share in percent, two digits."""
+    return f"{share:.0%}" if share > 0.095 else f"{100.0 * share:.2g}%"
+
+
+DISTANCES: dict[str, type[Distance]] = {kind.name: kind for kind in (Diffusion, GPS, Biharmonic, Euclidean)}
 """Every distance by its name; menus and the command line are built from it."""
+
+
+def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
+    """What may be set of a kind of distance, by the name of the field.
+
+    >>> [(name, one.symbol) for name, one in parameters_of(Diffusion).items()], parameters_of(GPS)
+    ([('time', 't')], {})
+    """
+    found = ((one.name, one.metadata.get("parameter")) for one in fields(kind))
+    return {name: parameter for name, parameter in found if parameter is not None}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from copy import copy
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -69,14 +70,41 @@ class InteriorDistance:
         self._spectrum = spectrum
         self.basis = self.distance_kind.basis(mesh, spectrum)
         self.basis.setflags(write=False)
-        self.scale = self.distance_kind.scale(spectrum)
         masses = voronoi_areas(mesh) if spectrum is None else spectrum.masses
-        self.centre = (masses @ self.basis) / masses.sum() * self.scale
+        self._mean = (masses @ self.basis) / masses.sum()
+        self.scale = self.distance_kind.scale(spectrum)
+        self.centre = self._mean * self.scale
+
+    def with_distance(self, distance: Distance) -> InteriorDistance:
+        """The same interior with another distance, which shares whatever it can.
+
+        Distances with the same basis (all spectral ones) differ in the scale alone, so samples taken for
+        one serve the others. Eigenpairs that are there are used again, also where a shorter diffusion time
+        asks for more of them: the description then says what is missing.
+
+        Args:
+            distance: the boundary distance of the result.
+
+        >>> from idviewer.core import Biharmonic, read_mesh, sample_path
+        >>> solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
+        >>> solver.with_distance(Biharmonic()).basis is solver.basis
+        True
+        """
+        if self._spectrum is None and distance.spectral:
+            return InteriorDistance(self.mesh, distance, self.coordinates.name, self.rtol)
+        basis = distance.basis(self.mesh, self._spectrum)
+        if basis is not self.basis and not np.array_equal(basis, self.basis):
+            return InteriorDistance(self.mesh, distance, self.coordinates.name, self.rtol, self._spectrum)
+        other = copy(self)
+        other.distance_kind = distance
+        other.scale = distance.scale(self._spectrum)
+        other.centre = self._mean * other.scale
+        return other
 
     @property
     def spectrum(self) -> Spectrum:
         """The eigenpairs used: .values (k,), .vectors (n, k)."""
-        if self._spectrum is None:
+        if self._spectrum is None or not self.distance_kind.spectral:
             raise ValueError(f"the {self.distance_kind.title.lower()} uses no eigenpairs")
         return self._spectrum
 

@@ -43,12 +43,23 @@ class Spectrum:
         vectors: (n, k) eigenvectors, one column each, with vectors^T M vectors = 1.
         masses: (n,) the diagonal of M, mixed Voronoi areas.
         residual: the largest residual |C x - theta x| / theta of the shift-inverted problem.
+        bound: every eigenvalue below it is among the values; infinite where the mesh has no others.
     """
 
     values: Floats
     vectors: Floats
     masses: Floats
     residual: float
+    bound: float
+
+
+def paper_time(lambda_2: float) -> float:
+    """The paper's diffusion time t = 1 / (8 lambda_2), in the mesh's unit squared (appendix).
+
+    >>> paper_time(2.0)
+    0.0625
+    """
+    return 1.0 / (8.0 * lambda_2)
 
 
 def paper_cutoff(lambda_2: float) -> float:
@@ -57,7 +68,7 @@ def paper_cutoff(lambda_2: float) -> float:
     >>> round(paper_cutoff(1.0), 1)
     110.5
     """
-    return -8.0 * lambda_2 * math.log(SMALLEST_KEPT)
+    return -math.log(SMALLEST_KEPT) / paper_time(lambda_2)
 
 
 def eigenpairs(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff) -> Spectrum:
@@ -112,15 +123,17 @@ def eigenpair_steps(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff)
             )
         yield min(0.95, 0.05 + 0.9 * krylov.size / (2.6 * expected + 10 * BLOCK))
     vectors = krylov.vectors(coefficients[:, :kept])
-    return Spectrum(values[:kept], vectors, masses, float(residuals[:kept].max()))
+    return Spectrum(values[:kept], vectors, masses, float(residuals[:kept].max()), bound)
 
 
 def _all_pairs(laplacian: sparse.csc_array, masses: Floats, cutoff: Callable[[float], float]) -> Spectrum:
     """The kept pairs of a small mesh, by a dense solver."""
     roots = np.sqrt(masses)
     values, vectors = scipy.linalg.eigh(laplacian.toarray() / roots[:, None] / roots)
-    kept = int(np.searchsorted(values, cutoff(float(values[1]))))
-    return Spectrum(values[1:kept], np.ascontiguousarray(vectors[:, 1:kept] / roots[:, None]), masses, 0.0)
+    bound = cutoff(float(values[1]))
+    kept = int(np.searchsorted(values, bound))
+    vectors = np.ascontiguousarray(vectors[:, 1:kept] / roots[:, None])
+    return Spectrum(values[1:kept], vectors, masses, 0.0, bound if kept < len(values) else math.inf)
 
 
 def _factor(laplacian: sparse.csc_array, diagonal: Floats) -> SuperLU:
