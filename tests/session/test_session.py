@@ -10,7 +10,7 @@ import pytest
 from tests.core import shapes
 from tests.session.bodies import Owner, egg
 
-from idviewer.core import Diffusion, Euclidean, Mesh, Plane
+from idviewer.core import GPS, Biharmonic, Diffusion, Euclidean, Mesh, Plane
 from idviewer.core.rays import Ray
 from idviewer.session.record import Recorder, replay
 from idviewer.session.session import Session, default_plane, point_of
@@ -222,6 +222,26 @@ def test_closing_in_the_middle_is_quiet_and_can_be_repeated(desk):
     desk.owner.run_all()
     assert len(desk.log) == told
     desk.session.close()
+
+
+def test_a_diffusion_time_is_not_carried_to_another_mesh(desk):
+    desk.session.set(distance=GPS())
+    desk.session.show(egg(1))
+    assert desk.session.state.query.distance == GPS()
+    desk.session.set(distance=Diffusion(time=0.3))
+    desk.session.show(egg(1))
+    assert desk.session.state.query.distance == Diffusion()
+
+
+@pytest.mark.parametrize("distance", [Diffusion(time=0.1 + 0.2), GPS(), Biharmonic(), Euclidean()])
+def test_distances_are_recorded_with_their_parameters(desk, distance):
+    stream = io.StringIO()
+    recorder = Recorder(desk.session, stream)
+    desk.session.set(distance=distance)
+    recorder.close()
+    desk.session.set(distance=Diffusion(time=7.0))
+    replay(stream.getvalue().splitlines(), desk.session, desk.settle)
+    assert desk.session.state.query.distance == distance
 
 
 @pytest.mark.slow

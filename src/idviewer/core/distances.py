@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -227,3 +227,12 @@ def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
     """
     found = ((one.name, one.metadata.get("parameter")) for one in fields(kind))
     return {name: parameter for name, parameter in found if parameter is not None}
+
+
+def with_defaults(distance: Distance) -> Distance:
+    """The same kind of distance, its parameters left to their defaults.
+
+    >>> with_defaults(Diffusion(time=2.0))
+    Diffusion(time=None)
+    """
+    return replace(distance, **dict.fromkeys(parameters_of(distance)))

@@ -90,16 +90,20 @@ class InteriorDistance:
         >>> solver.with_distance(Biharmonic()).basis is solver.basis
         True
         """
-        if self._spectrum is None and distance.spectral:
-            return InteriorDistance(self.mesh, distance, self.coordinates.name, self.rtol)
-        basis = distance.basis(self.mesh, self._spectrum)
-        if basis is not self.basis and not np.array_equal(basis, self.basis):
+        if not self.shares_basis(distance):
             return InteriorDistance(self.mesh, distance, self.coordinates.name, self.rtol, self._spectrum)
         other = copy(self)
         other.distance_kind = distance
         other.scale = distance.scale(self._spectrum)
         other.centre = self._mean * other.scale
         return other
+
+    def shares_basis(self, distance: Distance) -> bool:
+        """Whether samples of the basis serve another distance too."""
+        if self._spectrum is None and distance.spectral:
+            return False
+        basis = distance.basis(self.mesh, self._spectrum)
+        return basis is self.basis or np.array_equal(basis, self.basis)
 
     @property
     def spectrum(self) -> Spectrum:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Generator, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from idviewer.core import InteriorDistance, Mesh, MeshError, Plane, read_mesh
-from idviewer.core.barycentroid import Barycentroid
+from idviewer.core import Distance, InteriorDistance, Mesh, MeshError, Spectrum, read_mesh
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
-from idviewer.core.steps import finish
-from idviewer.session.plane_samples import PlaneSamples, SampledSlice
+from idviewer.session.framing import Framing
+from idviewer.session.prepared import Prepared
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -21,25 +18,14 @@ from idviewer.session.state import (
     FrameRequest,
     Opened,
     OpenRequest,
-    Point,
     Progress,
     Query,
-    QueryError,
     Ready,
     Request,
     Result,
-    Slice,
 )
 
-Floats = NDArray[np.float64]
 Results = Iterator[Result | None]
-
-KEPT_PLANES = 6
-FACE_VISITS = 3e8
-"""Work spent on the finest level of a slice: about two seconds on two cores."""
-
-PROBE_SAFETY = 2.0
-"""The sampled errors are few; the largest of all is taken to be at most so many times theirs."""
 
 
 class Pipeline:
@@ -50,8 +36,9 @@ class Pipeline:
     """
 
     def __init__(self) -> None:
-        self._prepared: _Prepared | None = None
-        self._preparing: tuple[Mesh, object, Generator[Progress, None, _Prepared]] | None = None
+        self._prepared: Prepared | None = None
+        self._preparing: tuple[Mesh, bool, Generator[Progress, None, Prepared]] | None = None
+        self._told: tuple[Prepared, int] | None = None
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -64,29 +51,29 @@ class Pipeline:
                     yield from self._frames(request)
                 case DropRequest():
                     self._preparing = None
+                    if self._prepared is not None:
+                        self._prepared.forget_search()
         except (MeshError, ValueError, MemoryError, np.linalg.LinAlgError) as error:
             self._preparing = None
             yield Failure(error)
 
     def _frames(self, request: FrameRequest) -> Results:
-        query = request.query
+        distance = request.query.distance
         prepared = self._prepared
-        if prepared is None or not prepared.serves(request):
+        if prepared is None or prepared.mesh is not request.mesh or prepared.lacks_eigenpairs(distance):
             prepared = yield from self._prepare(request)
-            yield Ready(request.mesh, prepared.modes, prepared.barycentroid.point)
-        source = yield from prepared.source_row(query.source)
-        samples = [prepared.samples(plane) for plane in query.planes]
-        levels = max((one.levels for one in samples), default=1)
-        for level in range(min((one.start for one in samples), default=0), levels):
-            slices = []
-            for one in samples:
-                slices.append((yield from one.level_steps(max(level, one.start))))
-            yield prepared.frame(query, source, slices, level)
+        framing = Framing(prepared, request.query)
+        modes = len(framing.solver.spectrum.values) if distance.spectral else 0
+        if self._told != (prepared, modes):
+            self._told = (prepared, modes)
+            yield Ready(request.mesh, modes, prepared.barycentroid(distance).point)
+        yield from _coarse_to_fine(prepared, framing)
 
-    def _prepare(self, request: FrameRequest) -> Generator[Progress, None, _Prepared]:
-        mesh, distance = request.mesh, request.query.distance
-        if self._preparing is None or self._preparing[:2] != (mesh, distance):
-            self._preparing = (mesh, distance, _preparation(request))
+    def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
+        mesh, spectral = request.mesh, request.query.distance.spectral
+        if self._preparing is None or self._preparing[:2] != (mesh, spectral):
+            known = self._prepared if self._prepared is not None and self._prepared.mesh is mesh else None
+            self._preparing = (mesh, spectral, _preparation(mesh, request.query.distance, known))
         steps = self._preparing[2]
         # Not `yield from`: that would close the preparation together with this request.
         while True:
@@ -96,6 +83,22 @@ class Pipeline:
                 self._prepared, self._preparing = stop.value, None
                 return stop.value
             yield progress
+
+
+def _coarse_to_fine(prepared: Prepared, framing: Framing) -> Results:
+    """The frames of a query. The first needs nothing but samples, so that a slider's drag is followed; where
+    the distance's own barycentroid is not known yet, the one shown before stands for it meanwhile."""
+    samples = framing.samples
+    levels = max((one.levels for one in samples), default=1)
+    for level in range(min((one.start for one in samples), default=0), levels):
+        slices = []
+        for one in samples:
+            slices.append((yield from one.level_steps(max(level, one.start))))
+        yield (yield from framing.frame_steps(slices, level))
+        if not framing.settled and (framing.shows_barycentroid or level == levels - 1):
+            yield Progress("Finding the barycentroid")
+            yield from prepared.settle_steps(framing.solver)
+            yield (yield from framing.frame_steps(slices, level))
 
 
 def run_to_end(mesh: Mesh, query: Query) -> Frame:
@@ -115,24 +118,18 @@ def run_to_end(mesh: Mesh, query: Query) -> Frame:
     return last
 
 
-def _preparation(request: FrameRequest) -> Generator[Progress, None, _Prepared]:
-    """Everything that depends on the mesh and the distance alone."""
-    mesh, distance = request.mesh, request.query.distance
-    yield Progress("Preparing kernels (compiled once, at the first run)")
-    for share in compile_steps():
-        yield Progress("Preparing kernels (compiled once, at the first run)", share)
-    spectrum = None
-    if distance.spectral:
-        yield Progress("Computing eigenpairs", 0.0)
-        share = 0.0
-        steps = eigenpair_steps(mesh, distance.cutoff)
-        while True:
-            try:
-                share = max(share, next(steps) or 0.0)
-            except StopIteration as stop:
-                spectrum = stop.value
-                break
-            yield Progress("Computing eigenpairs", share)
+def _preparation(
+    mesh: Mesh, distance: Distance, known: Prepared | None
+) -> Generator[Progress, None, Prepared]:
+    """What the distance needs of the mesh before a first frame: all, or the eigenpairs that are not known."""
+    if known is None:
+        yield Progress("Preparing kernels (compiled once, at the first run)")
+        for share in compile_steps():
+            yield Progress("Preparing kernels (compiled once, at the first run)", share)
+    spectrum = (yield from _eigenpairs(mesh, distance)) if distance.spectral else None
+    if known is not None:
+        known.spectrum = spectrum
+        return known
     solver = InteriorDistance(mesh, distance, spectrum=spectrum)
     yield Progress("Finding the barycentroid")
     descent = solver.barycentroid_steps()
@@ -140,88 +137,17 @@ def _preparation(request: FrameRequest) -> Generator[Progress, None, _Prepared]:
         try:
             next(descent)
         except StopIteration as stop:
-            return _Prepared(solver, stop.value)
+            return Prepared(solver, stop.value)
         yield Progress("Finding the barycentroid")
 
 
-class _Prepared:
-    """A solver with its barycentroid, and samples that later queries use again."""
-
-    def __init__(self, solver: InteriorDistance, barycentroid: Barycentroid) -> None:
-        self.solver = solver
-        self.barycentroid = barycentroid
-        self.modes = len(solver.spectrum.values) if solver.distance_kind.spectral else 0
-        self._vertices = solver.vertex_embedding
-        self._samples: OrderedDict[Plane, PlaneSamples] = OrderedDict()
-        self._source: tuple[Point | None, Floats] | None = None
-
-    def serves(self, request: FrameRequest) -> bool:
-        """Whether this is the mesh and the distance asked for."""
-        return self.solver.mesh is request.mesh and self.solver.distance_kind == request.query.distance
-
-    def source_row(self, source: Point | None) -> Generator[None, None, Floats]:
-        """(k,) the source's embedding."""
-        if self._source is None or self._source[0] != source:
-            point = self.barycentroid.point if source is None else np.array(source)
-            steps = self.solver.sample_steps(point[None])
-            yield
-            row = finish(steps)[0] * self.solver.scale
-            if not np.isfinite(row).all():
-                place = ", ".join(f"{value:.6g}" for value in point)
-                raise QueryError(
-                    f"the source ({place}) lies outside the mesh; choose a point inside or on it"
-                )
-            self._source = (source, row)
-        return self._source[1]
-
-    def samples(self, plane: Plane) -> PlaneSamples:
-        """The samples on a plane, those of the planes used last kept."""
-        if plane not in self._samples:
-            finest = int(np.clip(FACE_VISITS / len(self.solver.mesh.faces), 2000, 16000))
-            self._samples[plane] = PlaneSamples(self.solver, plane, finest)
-        self._samples.move_to_end(plane)
-        while len(self._samples) > KEPT_PLANES:
-            self._samples.popitem(last=False)
-        return self._samples[plane]
-
-    def frame(self, query: Query, source: Floats, slices: list[SampledSlice], level: int) -> Frame:
-        """The picture of the query at a level."""
-        potential = query.quantity == "potential"
-        origin = self.solver.centre if potential else source
-        drawn = tuple(
-            Slice(plane, one.points, one.triangles, self._values(one.rows, origin), one.outline)
-            for plane, one in zip(query.planes, slices, strict=True)
-        )
-        errors = np.concatenate([self._norms(one.probed_error) for one in slices]) if slices else np.empty(0)
-        lowest = self.barycentroid.potential if potential else 0.0
-        highest = float(np.linalg.norm(self._vertices - origin, axis=1).max())
-        described = self.solver.description
-        frame = Frame(
-            mesh=self.solver.mesh,
-            query=query,
-            slices=drawn,
-            level=level,
-            exact=len(errors) == 0,
-            error=PROBE_SAFETY * float(errors.max(initial=0.0)),
-            source=self.barycentroid.point if query.source is None else np.array(query.source),
-            barycentroid=self.barycentroid.point,
-            value_range=(lowest, highest),
-            title=f"Potential U ({described})" if potential else described,
-        )
-        return _frozen(frame)
-
-    def _values(self, rows: Floats, origin: Floats) -> Floats:
-        return np.linalg.norm(rows * self.solver.scale - origin, axis=1)
-
-    def _norms(self, rows: Floats) -> Floats:
-        return np.linalg.norm(rows * self.solver.scale, axis=1)
-
-
-def _frozen(frame: Frame) -> Frame:
-    """The frame with its arrays read-only, so that any thread may keep it."""
-    arrays: list[np.ndarray] = [frame.source, frame.barycentroid]
-    for one in frame.slices:
-        arrays += [one.points, one.triangles, one.values, *one.outline]
-    for array in arrays:
-        array.setflags(write=False)
-    return frame
+def _eigenpairs(mesh: Mesh, distance: Distance) -> Generator[Progress, None, Spectrum]:
+    yield Progress("Computing eigenpairs", 0.0)
+    share = 0.0
+    steps = eigenpair_steps(mesh, distance.cutoff)
+    while True:
+        try:
+            share = max(share, next(steps) or 0.0)
+        except StopIteration as stop:
+            return stop.value
+        yield Progress("Computing eigenpairs", share)

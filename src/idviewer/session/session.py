@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from idviewer.core import Mesh, Plane
+from idviewer.core.distances import with_defaults
 from idviewer.core.plane import AXES
 from idviewer.core.rays import Ray
 from idviewer.session.picking import FramePicker, Probe, Target, pick
@@ -48,7 +49,7 @@ class Session:
         busy: whether something is being computed or read.
         changed: Signal(old, new) after each change of the state.
         opened: Signal(mesh, path), after `changed`; path is None for a mesh handed over.
-        readied: Signal(ready), once for each mesh and distance.
+        readied: Signal(ready), once for each mesh, and again when another distance uses other modes.
         framed: Signal(frame) for each frame to draw.
         progressed: Signal(progress) while work goes on, Signal(None) when it ends.
         failed: Signal(error) when something asked for could not be done.
@@ -76,7 +77,7 @@ class Session:
         self._start(self._opening)
 
     def show(self, mesh: Mesh) -> None:
-        """Show a mesh that is in memory."""
+        """Show a mesh that is in memory; planes, source and the distance's parameters become the defaults."""
         self._opening = None
         self._show(mesh, None)
 
@@ -130,7 +131,9 @@ class Session:
     def _show(self, mesh: Mesh, path: Path | None) -> None:
         self.frame = self.ready = self._picker = None
         self._cancelled = False
-        query = replace(self.state.query, planes=(default_plane(mesh),), source=None)
+        # A plane, a source and a diffusion time mean nothing on another mesh.
+        distance = with_defaults(self.state.query.distance)
+        query = replace(self.state.query, planes=(default_plane(mesh),), source=None, distance=distance)
         display = replace(self.state.display, active_plane=0)
         self._change(State(mesh, query, display))
         self.opened.emit(mesh, path)

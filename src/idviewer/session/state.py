@@ -112,12 +112,16 @@ class Frame:
         query: the query it answers.
         slices: one for each plane of the query.
         level: 0 for the coarsest; a finer level adds samples.
-        exact: whether every value is a direct computation, nothing interpolated.
+        exact: whether no better frame will come: every value is a direct computation, nothing interpolated,
+            and the barycentroid is that of the query's distance.
         error: estimated largest error of a value, in the values' unit (0.0 when exact).
         source: (3,) where the distance is measured from.
-        barycentroid: (3,) the shape's barycentroid.
+        barycentroid: (3,) the shape's barycentroid; in a frame that is not exact it may be that of the
+            distance shown before, and the source with it.
         value_range: smallest and largest value over the whole body: what the colours span.
         title: names the quantity and its parameters, for the scale bar.
+        lambda_2: the mesh's first non-zero eigenvalue, which a distance's parameters are measured by; None
+            while no eigenpairs are there.
     """
 
     mesh: Mesh
@@ -130,6 +134,7 @@ class Frame:
     barycentroid: NDArray[np.float64]
     value_range: tuple[float, float]
     title: str
+    lambda_2: float | None = None
 
 
 @dataclass(frozen=True)
@@ -150,7 +155,7 @@ class Opened:
 
 @dataclass(frozen=True)
 class Ready:
-    """The embedding of mesh is there: its number of modes (0 without eigenpairs) and the barycentroid."""
+    """The embedding of mesh is there: its number of modes (0 without eigenpairs) and a barycentroid."""
 
     mesh: Mesh
     modes: int
