@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.core import shapes
+from tests.core import shapes, slices_twin
 from tests.core.test_mean_value import BODIES, winding_numbers
 
 from idviewer.core.mesh import Mesh
@@ -39,6 +39,62 @@ def test_outline_points_lie_on_the_plane_and_carry_exact_values(name, rng):
         np.testing.assert_allclose(plane.height(cut.points), 0, atol=1e-13 * mesh.diagonal)
         np.testing.assert_allclose(cut.interpolate(mesh.vertices), cut.points, atol=1e-13 * mesh.diagonal)
         assert sum(map(len, cut.loops)) <= len(cut.points)
+
+
+def awkward_planes(mesh: Mesh, rng: np.random.Generator) -> list[Plane]:
+    """At random, near the sides of the bounding box, and through vertices, edges and faces."""
+    planes = [random_plane(mesh, rng) for _ in range(5)]
+    planes += [Plane.along(axis, share, mesh.bounds) for axis in "xyz" for share in (0.0, 0.01, 1 / 3, 1.0)]
+    for vertex in mesh.vertices[rng.integers(len(mesh.vertices), size=4)]:
+        planes += [Plane(tuple(vertex), (0, 1.0, 0)), Plane(tuple(vertex), tuple(rng.standard_normal(3)))]
+    return planes
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_outlines_equal_those_of_the_slow_twin(name, rng):
+    mesh = BODIES[name]
+    for plane in awkward_planes(mesh, rng):
+        cut = section(mesh, plane)
+        points, loops = slices_twin.outline(mesh, plane)
+        assert {tuple(edge) for edge in cut.edges.tolist()} == set(points)
+        for edge, point in zip(cut.edges.tolist(), cut.points, strict=True):
+            np.testing.assert_allclose(point, points[tuple(edge)], atol=1e-14 * mesh.diagonal)
+        ours = [list(map(tuple, cut.edges[loop].tolist())) for loop in cut.loops]
+        where = {edge: at for at, edge in enumerate(map(tuple, cut.edges.tolist()))}
+        theirs = [without_repeats(loop, cut.flat, where) for loop in loops]
+        assert sorted(map(from_the_smallest, ours)) == sorted(
+            from_the_smallest(loop) for loop in theirs if len(loop) >= 3
+        )
+
+
+def without_repeats(loop: list, flat: np.ndarray, where: dict) -> list:
+    before = [loop[-1], *loop[:-1]]
+    return [
+        b for a, b in zip(before, loop, strict=True) if flat[where[a]].tolist() != flat[where[b]].tolist()
+    ]
+
+
+def from_the_smallest(loop: list) -> list:
+    first = loop.index(min(loop))
+    return loop[first:] + loop[:first]
+
+
+def test_large_and_distant_bodies_are_cut_like_small_ones(rng):
+    """No tolerance depends on the unit; far from the origin the boxes allow for the coordinates' rounding."""
+    mesh = BODIES["bumpy sphere"]
+    for scale, shift in ((2.0**40, 0.0), (2.0**-40, 0.0), (1.0, 2.0**20)):
+        moved = Mesh(mesh.vertices * scale + shift, mesh.faces)
+        for plane in awkward_planes(moved, rng):
+            points, _ = slices_twin.outline(moved, plane)
+            assert {tuple(edge) for edge in section(moved, plane).edges.tolist()} == set(points)
+
+
+@pytest.mark.parametrize("name", ["L", "torus", "bumpy sphere"])
+@pytest.mark.parametrize("samples", [30, 300])
+def test_nodes_equal_those_of_the_slow_twin(name, samples, rng):
+    cut = section(BODIES[name], random_plane(BODIES[name], rng))
+    filled = slice_mesh(cut, spacing_for(cut, samples))
+    assert set(map(tuple, filled.nodes.tolist())) == slices_twin.lattice_nodes(cut, filled.spacing)
 
 
 def test_a_plane_that_misses_gives_nothing():

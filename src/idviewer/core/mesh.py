@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from idviewer.core._examination import Examination, examine
 from idviewer.core._findings import CHOICES, Finding
 from idviewer.core._mending import side_vectors, volume_and_area
+from idviewer.core._patches import Patches
 from idviewer.core._polygons import Polygons
 from idviewer.core._topology import Topology
 
@@ -121,6 +122,11 @@ class Mesh:
     def edges(self) -> NDArray[np.int64]:
         """(e, 2) vertices of each edge, the lower index first, in ascending order."""
         return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
+
+    @cached_property
+    def patches(self) -> Patches:
+        """The faces in patches that lie together; made by the first section, some 20 ms for 100,000 faces."""
+        return Patches.of(self.vertices, self.faces)
 
     @cached_property
     def face_areas(self) -> NDArray[np.float64]:

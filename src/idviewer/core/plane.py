@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,14 +88,19 @@ class Plane:
         except ValueError as error:
             raise ValueError(f"{hint}; {error}") from None
 
-    @property
+    @cached_property
     def basis(self) -> Floats:
-        """(2, 3) orthonormal vectors that span the plane; with the normal they are right-handed."""
-        normal = np.array(self.normal)
-        helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
-        first = np.cross(helper, normal)
-        first /= np.linalg.norm(first)
-        return np.stack([first, np.cross(normal, first)])
+        """(2, 3) orthonormal vectors in the plane, read-only; with the normal they are right-handed."""
+        # Across the normal and the axis it is farthest from.
+        across = min(range(3), key=lambda axis: abs(self.normal[axis]))
+        after, before = (across + 1) % 3, (across + 2) % 3
+        length = math.hypot(self.normal[after], self.normal[before])
+        first = [0.0, 0.0, 0.0]
+        first[after], first[before] = -self.normal[before] / length, self.normal[after] / length
+        (a, b, c), (x, y, z) = self.normal, first
+        basis = np.array([first, [b * z - c * y, c * x - a * z, a * y - b * x]])
+        basis.setflags(write=False)
+        return basis
 
     def height(self, points: ArrayLike) -> Floats:
         """(p,) signed distances of (p, 3) points, positive on the normal's side."""

@@ -9,10 +9,11 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core.slices import Section
+from idviewer.core.slices import Section, cycles_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Ints32 = NDArray[np.int32]
 Bools = NDArray[np.bool_]
 
 MARGIN = 0.25
@@ -67,16 +68,14 @@ def slice_mesh(section: Section, spacing: float) -> SliceMesh:
     """
     if not section.loops:
         return SliceMesh(section, spacing, np.empty((0, 2), dtype=np.int64), np.empty((0, 3), dtype=np.int32))
-    grid = _Grid.around(section.flat, spacing)
-    full = grid.full_cells(section)
-    nodes, index = _corners_of(full)
-    cell_triangles = _cell_triangles(full, index)
-    stairs = [index[tuple(loop.T)] for loop in _staircases(full)]
-    first_node = len(section.flat)
-    flat = np.concatenate([section.flat, (nodes + grid.lowest) * spacing])
-    band = _fill(flat, [*section.loops, *(stair[::-1] + first_node for stair in stairs)])
-    triangles = np.concatenate([band, cell_triangles + first_node]).astype(np.int32)
-    return SliceMesh(section, spacing, nodes + grid.lowest, triangles)
+    grid = _Grid.around(section, spacing)
+    cells = grid.full_cells()
+    places, index = grid.corners_of(cells)
+    nodes = np.stack(np.divmod(places, grid.shape[1]), axis=1) + grid.lowest
+    stairs = [index[stair[::-1]] for stair in grid.staircases(cells)]
+    band = _fill(section, stairs, np.multiply(nodes, spacing, dtype=np.float64))
+    triangles = np.concatenate([band, grid.triangles(cells, index) + np.int32(len(section.flat))])
+    return SliceMesh(section, spacing, nodes, triangles)
 
 
 def spacing_for(section: Section, samples: int) -> float:
@@ -111,115 +110,121 @@ def refined(flat: Floats, triangles: NDArray[np.int32]) -> tuple[Ints, NDArray[n
 
 @dataclass(frozen=True)
 class _Grid:
-    """The part of the lattice that covers an outline; cell (i, j) has its low corner at node (i, j)."""
+    """The part of the lattice that covers an outline, and a rim of cells outside it.
+
+    Cells and nodes are numbered row by row; a cell has the number of its low corner.
+
+    Attributes:
+        lowest: (2,) lattice coordinates of the first node.
+        shape: rows and columns.
+        starts: (k, 2) where the outline's segments start, in cells from the first node.
+        ends: (k, 2) where they end.
+    """
 
     lowest: Ints
     shape: tuple[int, int]
-    spacing: float
+    starts: Floats
+    ends: Floats
 
     @classmethod
-    def around(cls, flat: Floats, spacing: float) -> _Grid:
-        lowest = np.floor(flat.min(axis=0) / spacing).astype(np.int64) - 1
-        highest = np.ceil(flat.max(axis=0) / spacing).astype(np.int64) + 1
-        width, height = (highest - lowest).tolist()
-        return cls(lowest, (width, height), spacing)
+    def around(cls, section: Section, spacing: float) -> _Grid:
+        scaled = section.flat / spacing
+        lowest = np.floor(scaled.min(axis=0)).astype(np.int64) - 1
+        highest = np.ceil(scaled.max(axis=0)).astype(np.int64) + 1
+        rows, columns = (highest - lowest).tolist()
+        scaled -= lowest
+        starts, ends = section.segments
+        return cls(lowest, (rows, columns), scaled[starts], scaled[ends])
 
-    def full_cells(self, section: Section) -> Bools:
-        """Cells inside the outline and clear of it."""
-        scaled = section.flat / self.spacing - self.lowest
-        starts = scaled[np.concatenate(section.loops)]
-        ends = scaled[np.concatenate([np.roll(loop, -1) for loop in section.loops])]
-        return self._inside(starts, ends) & ~self._near(starts, ends)
+    def full_cells(self) -> Ints:
+        """Cells inside the outline and clear of it, in ascending order."""
+        inside = self._inside()
+        inside[self._near()] = False
+        return np.flatnonzero(inside)
 
-    def _inside(self, starts: Floats, ends: Floats) -> Bools:
+    def _inside(self) -> Bools:
         """Even-odd rule for the cells' centres: crossings to the left of each, row by row."""
-        low = np.minimum(starts[:, 1], ends[:, 1])
-        high = np.maximum(starts[:, 1], ends[:, 1])
-        # Row j has its centres at j + 1/2; a segment crosses the rows with low <= j + 1/2 < high.
+        low = np.minimum(self.starts[:, 1], self.ends[:, 1])
+        high = np.maximum(self.starts[:, 1], self.ends[:, 1])
+        # Column j has its centres at j + 1/2; a segment crosses those with low <= j + 1/2 < high.
         first = np.ceil(low - 0.5).astype(np.int64)
-        count = np.ceil(high - 0.5).astype(np.int64) - first
-        segment = np.repeat(np.arange(len(starts)), count)
-        row = np.arange(len(segment)) - np.repeat(np.cumsum(count) - count, count) + first[segment]
-        a, b = starts[segment], ends[segment]
-        x = a[:, 0] + (row + 0.5 - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-        crossings = np.zeros((self.shape[0] + 1, self.shape[1]), dtype=np.int64)
-        np.add.at(crossings, (np.ceil(x - 0.5).astype(np.int64), row), 1)
-        return np.cumsum(crossings[:-1], axis=0) % 2 == 1
+        segment, step = _counted(np.ceil(high - 0.5).astype(np.int64) - first)
+        column = step + first[segment]
+        a, b = self.starts[segment], self.ends[segment]
+        x = a[:, 0] + (column + 0.5 - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+        row = np.ceil(x - 0.5).astype(np.int64)
+        rows, columns = self.shape
+        crossings = np.bincount(row * columns + column, minlength=rows * columns)
+        return (np.cumsum(crossings.reshape(rows, columns), axis=0) % 2 == 1).ravel()
 
-    def _near(self, starts: Floats, ends: Floats) -> Bools:
+    def _near(self) -> Ints:
         """Cells within the margin of the outline, found by walking along it in quarter cells."""
-        length = np.abs(ends - starts).max(axis=1)
-        count = np.floor(length / MARGIN).astype(np.int64) + 1
-        segment = np.repeat(np.arange(len(starts)), count)
-        step = np.arange(len(segment)) - np.repeat(np.cumsum(count) - count, count)
-        along = (step / count[segment])[:, None]
-        walk = starts[segment] + along * (ends - starts)[segment]
-        near = np.zeros(self.shape, dtype=np.bool_)
-        for dx in (-MARGIN, MARGIN):
-            for dy in (-MARGIN, MARGIN):
-                i, j = np.floor(walk + np.array([dx, dy])).astype(np.int64).T
-                near[i, j] = True
-        return near
+        sides = self.ends - self.starts
+        count = np.floor(np.abs(sides).max(axis=1) / MARGIN).astype(np.int64) + 1
+        segment, step = _counted(count)
+        walk = self.starts[segment] + (step / count[segment])[:, None] * sides[segment]
+        low = np.floor(walk - MARGIN).astype(np.int64)
+        high = np.floor(walk + MARGIN).astype(np.int64)
+        return np.concatenate(
+            [(i[:, :1] * self.shape[1] + j[:, 1:]).ravel() for i in (low, high) for j in (low, high)]
+        )
+
+    def corners_of(self, cells: Ints) -> tuple[Ints, Ints32]:
+        """The corners of cells in ascending order, and an array that tells each one's place among them."""
+        used = np.zeros(self.shape[0] * self.shape[1], dtype=np.bool_)
+        for corner in self._corner_offsets:
+            used[cells + corner] = True
+        corners = np.flatnonzero(used)
+        index = np.empty(len(used), dtype=np.int32)
+        index[corners] = np.arange(len(corners), dtype=np.int32)
+        return corners, index
+
+    @property
+    def _corner_offsets(self) -> Ints:
+        """(4,) the corners of cell 0, counterclockwise."""
+        return np.array([0, self.shape[1], self.shape[1] + 1, 1])
+
+    def triangles(self, cells: Ints, index: Ints32) -> Ints32:
+        """Two triangles a cell, the diagonals alternating so that no direction is favoured."""
+        halves = self._corner_offsets[[[0, 1, 2, 0, 2, 3], [0, 1, 3, 1, 2, 3]]]
+        odd = (cells // self.shape[1] + cells) % 2
+        return index[cells[:, None] + halves[odd]].reshape(-1, 3)
+
+    def staircases(self, cells: Ints) -> list[Ints]:
+        """Boundary loops of cells, nodes each, the cells on the left; simple, though corners may touch."""
+        full = np.zeros(self.shape[0] * self.shape[1], dtype=np.bool_)
+        full[cells] = True
+        # Sides of a cell counterclockwise; each starts at the corner of its number.
+        outward = np.array([-1, self.shape[1], 1, -self.shape[1]])
+        side, at = np.nonzero(~full[cells + outward[:, None]])
+        cell = cells[at]
+        # At the end of a side the loop turns left round its own cell, or goes straight on along the next
+        # one, or turns right where there is one across.
+        left = (side + 1) % 4
+        ahead = cell + outward[left]
+        across = ahead + outward[side]
+        turns, meets = ~full[ahead], full[across]
+        next_cell = np.where(turns, cell, np.where(meets, across, ahead))
+        next_side = np.where(turns, left, np.where(meets, (side + 3) % 4, side))
+        keys = side * len(full) + cell
+        follower = np.searchsorted(keys, next_side * len(full) + next_cell)
+        tails = cell + self._corner_offsets[side]
+        return [tails[cycle] for cycle in cycles_of(follower)]
 
 
-def _corners_of(full: Bools) -> tuple[Ints, Ints]:
-    """(q, 2) corners of the full cells, and an array that maps a corner (i, j) to its place in them."""
-    used = np.zeros((full.shape[0] + 1, full.shape[1] + 1), dtype=np.bool_)
-    for i in (0, 1):
-        for j in (0, 1):
-            used[i : i + full.shape[0], j : j + full.shape[1]] |= full
-    index = np.full(used.shape, -1, dtype=np.int64)
-    index[used] = np.arange(np.count_nonzero(used))
-    return np.argwhere(used), index
+def _counted(counts: Ints) -> tuple[Ints, Ints]:
+    """For each item so many entries: the item, and the number of the entry among the item's."""
+    item = np.repeat(np.arange(len(counts)), counts)
+    return item, np.arange(len(item)) - (np.cumsum(counts) - counts)[item]
 
 
-def _cell_triangles(full: Bools, index: Ints) -> Ints:
-    """Two triangles a cell, the diagonals alternating so that no direction is favoured."""
-    i, j = np.nonzero(full)
-    a, b, c, d = index[i, j], index[i + 1, j], index[i + 1, j + 1], index[i, j + 1]
-    even = ((i + j) % 2 == 0)[:, None, None]
-    rising = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
-    falling = np.stack([np.stack([a, b, d], axis=1), np.stack([b, c, d], axis=1)], axis=1)
-    return np.where(even, rising, falling).reshape(-1, 3)
-
-
-def _staircases(full: Bools) -> list[Ints]:
-    """Boundary loops of the full cells, (k, 2) nodes each, the cells on the left."""
-    framed = np.pad(full, 1)
-    inner = framed[1:-1, 1:-1]
-    # Side: outward neighbour, start and end corner, counterclockwise round the cell.
-    sides = [
-        (framed[1:-1, :-2], (0, 0), (1, 0)),
-        (framed[2:, 1:-1], (1, 0), (1, 1)),
-        (framed[1:-1, 2:], (1, 1), (0, 1)),
-        (framed[:-2, 1:-1], (0, 1), (0, 0)),
-    ]
-    edges: dict[tuple[int, int], list[tuple[tuple[int, int], tuple[int, int]]]] = {}
-    for neighbour, tail, head in sides:
-        for i, j in np.argwhere(inner & ~neighbour).tolist():
-            edges.setdefault((i + tail[0], j + tail[1]), []).append(((i + head[0], j + head[1]), (i, j)))
-    loops = []
-    while edges:
-        start = next(iter(edges))
-        at, cell, loop = start, (-1, -1), []
-        while at in edges:
-            loop.append(at)
-            ways = edges[at]
-            # Where two cells touch at a corner, staying with the same cell keeps the loops simple.
-            way = next((way for way in ways if way[1] == cell), ways[0])
-            ways.remove(way)
-            if not ways:
-                del edges[at]
-            at, cell = way
-        loops.append(np.array(loop, dtype=np.int64))
-    return loops
-
-
-def _fill(flat: Floats, loops: list[Ints]) -> Ints:
-    """Triangulate the region bounded by loops (outer ones counterclockwise, holes clockwise)."""
+def _fill(section: Section, stairs: list[Ints32], nodes: Floats) -> Ints32:
+    """Triangulate the band between the outline and staircases (clockwise) of (q, 2) nodes."""
+    loops = [*section.loops, *(stair.astype(np.int64) + len(section.flat) for stair in stairs)]
+    flat = np.concatenate([section.flat, nodes])
     # About the region's middle and in its own unit, so that the library's tolerance means the same anywhere.
-    middle = 0.5 * (flat.min(axis=0) + flat.max(axis=0))
-    size = float(np.ptp(flat, axis=0).max())
-    scaled = (flat - middle) / size
-    triangles = manifold3d.triangulate([scaled[loop] for loop in loops])
-    return np.concatenate(loops)[np.asarray(triangles, dtype=np.int64).reshape(-1, 3)]
+    lowest, highest = section.flat.min(axis=0), section.flat.max(axis=0)
+    band = np.concatenate(loops)
+    scaled = (flat[band] - 0.5 * (lowest + highest)) / float((highest - lowest).max())
+    triangles = manifold3d.triangulate(np.split(scaled, np.cumsum([len(loop) for loop in loops])[:-1]))
+    return band.astype(np.int32)[np.asarray(triangles).reshape(-1, 3)]

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from idviewer.core._patches import heights
 from idviewer.core.mesh import Mesh
 from idviewer.core.plane import Plane
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+FOLLOWING = np.array([1, 2, 0])
+"""The corner that follows each corner of a face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,14 @@ class Section:
         """Area of the section, in the mesh's unit squared."""
         return float(sum(_signed_area(self.flat[loop]) for loop in self.loops))
 
+    @property
+    def segments(self) -> tuple[Ints, Ints]:
+        """The points at which the sides of all loops start, and those at which they end."""
+        if not self.loops:
+            return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+        closed = [(loop, loop[1:], loop[:1]) for loop in self.loops]
+        return np.concatenate(self.loops), np.concatenate([part for loop in closed for part in loop[1:]])
+
     def lift(self, flat: ArrayLike) -> Floats:
         """(p, 2) coordinates in the plane's basis to (p, 3) positions."""
         return np.array(self.plane.origin) + np.asarray(flat, dtype=np.float64) @ self.plane.basis
@@ -74,59 +86,66 @@ def section(mesh: Mesh, plane: Plane) -> Section:
     >>> round(section(tetrahedron, Plane((0, 0, 0.5), (0, 0, 1))).area, 12)
     0.125
     """
-    heights = plane.height(mesh.vertices)
-    above = heights > 0.0
-    faces = mesh.faces[above[mesh.faces].any(axis=1) & ~above[mesh.faces].all(axis=1)]
-    rising = _crossed_edges(faces, above, rising=True)
-    falling = _crossed_edges(faces, above, rising=False)
+    faces, above = mesh.patches.crossed(plane)
+    tops, bottoms = _passage(above)
+    rising_tails, rising_heads = _passage(~above)
     # Each face leads from the edge where its boundary falls to the one where it rises; the same edge,
     # run through backwards, is the next face's first.
-    n = len(mesh.vertices)
-    keys, start = np.unique(falling[:, 1] * n + falling[:, 0], return_inverse=True)
-    end = np.searchsorted(keys, rising[:, 0] * n + rising[:, 1])
-    low, high = keys // n, keys % n
-    fractions = heights[low] / (heights[low] - heights[high])
-    follower = np.empty(len(keys), dtype=np.int64)
-    follower[start.ravel()] = end
-    relative = mesh.vertices - np.array(plane.origin)
+    corners, n = faces.ravel(), len(mesh.vertices)
+    keys = corners[bottoms] * n + corners[tops]
+    order = np.argsort(keys)
+    follower = np.searchsorted(keys[order], (corners[rising_tails] * n + corners[rising_heads])[order])
+    edges = corners[np.stack([bottoms[order], tops[order]], axis=1)]
+    fractions, flat = _where_crossed(mesh.vertices[edges], plane)
+    return Section(plane, edges, fractions, flat, _loops(follower, flat))
+
+
+def _where_crossed(ends: Floats, plane: Plane) -> tuple[Floats, Floats]:
+    """Where edges with ends (s, 2, 3) below and above a plane cross it: fractions and flat coordinates."""
+    low, high = heights(np.moveaxis(ends, 2, 0), plane).T
+    fractions = low / (low - high)
     share = fractions[:, None]
-    flat = ((1.0 - share) * relative[low] + share * relative[high]) @ plane.basis.T
-    loops = tuple(loop for cycle in _cycles(follower) if len(loop := _without_repeats(cycle, flat)) >= 3)
-    return Section(plane, np.stack([low, high], axis=1), fractions, flat, loops)
+    starts, stops = np.moveaxis(ends - np.array(plane.origin), 1, 0)
+    return fractions, ((1.0 - share) * starts + share * stops) @ plane.basis.T
 
 
-def _crossed_edges(faces: Ints, above: NDArray[np.bool_], rising: bool) -> Ints:
-    """For each crossed face the directed edge that goes up (or down) through the plane."""
-    tails, heads = faces, np.roll(faces, -1, axis=1)
-    passes = (above[heads] & ~above[tails]) if rising else (above[tails] & ~above[heads])
-    corner = np.argmax(passes, axis=1)[:, None]
-    return np.concatenate(
-        [np.take_along_axis(tails, corner, axis=1), np.take_along_axis(heads, corner, axis=1)], axis=1
-    )
+def _passage(above: NDArray[np.bool_]) -> tuple[Ints, Ints]:
+    """Where each face's boundary goes from above to below: places of the edge's two ends among all corners.
+
+    Args:
+        above: (m, 3), of the faces' corners.
+    """
+    corner = np.argmax(above > above[:, FOLLOWING], axis=1)
+    first = np.arange(0, above.size, 3)
+    return first + corner, first + FOLLOWING[corner]
 
 
-def _cycles(follower: Ints) -> list[Ints]:
+def _loops(follower: Ints, flat: Floats) -> tuple[Ints, ...]:
+    """The closed loops, without points equal to the one before (cuts through a vertex make them)."""
+    moves = np.empty(len(follower), dtype=np.bool_)
+    moves[follower] = (flat[follower] != flat).any(axis=1)
+    loops = cycles_of(follower)
+    if not moves.all():
+        loops = [loop[moves[loop]] for loop in loops]
+    return tuple(loop for loop in loops if len(loop) >= 3)
+
+
+def cycles_of(follower: Ints) -> list[Ints]:
     """The cycles of a permutation."""
     successor = follower.tolist()
-    seen = bytearray(len(successor))
     cycles = []
     for first in range(len(successor)):
-        if seen[first]:
-            continue
-        cycle, at = [], first
-        while not seen[at]:
-            seen[at] = 1
+        at, cycle = first, []
+        while (following := successor[at]) >= 0:
             cycle.append(at)
-            at = successor[at]
-        cycles.append(np.array(cycle, dtype=np.int64))
+            successor[at] = -1
+            at = following
+        if cycle:
+            cycles.append(np.array(cycle, dtype=np.int64))
     return cycles
 
 
-def _without_repeats(loop: Ints, flat: Floats) -> Ints:
-    """The loop without points that coincide with their predecessor (cuts through a vertex make them)."""
-    return loop[(flat[loop] != flat[np.roll(loop, 1)]).any(axis=1)]
-
-
 def _signed_area(polygon: Floats) -> float:
-    x, y = (polygon - polygon[0]).T if len(polygon) else np.zeros((2, 1))
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    x, y = (polygon - polygon[0]).T
+    # The sides from and to the first point, now the origin, add nothing.
+    return 0.5 * float(x[:-1] @ y[1:] - y[:-1] @ x[1:])
