@@ -21,7 +21,7 @@ from PIL import Image
 import idviewer
 from idviewer.cli import main, output, words
 from idviewer.cli.options import Looks
-from idviewer.core import sample_names
+from idviewer.core import DISTANCES, interior_distance, read_mesh, sample_names
 
 INSIDE, OUTSIDE = "-0.3,0.1,0.2", "0.3,4,0.2"
 QUICK = ("--distance", "euclidean")
@@ -173,6 +173,55 @@ class TestDistance:
         assert "distance needs --from X,Y,Z and --to X,Y,Z, or" in refused(run("distance", body, *ends))
 
 
+class TestKindsOfDistance:
+    @pytest.mark.parametrize("verb", ["render", "distance", "barycentroid"])
+    def test_all_are_in_the_help(self, run: Run, verb: str) -> None:
+        told = " ".join(run(verb, "--help").out.split())
+        for name in DISTANCES:
+            assert name in told
+        assert "--time" in told
+
+    @pytest.mark.parametrize("name", ["gps", "biharmonic"])
+    def test_the_same_as_in_the_library(self, run: Run, body: str, name: str) -> None:
+        ends = ("--from", INSIDE, "--to", "0.5,0,1", "--distance", name, "--json")
+        told = json.loads(run("distance", body, *ends).out)
+        expected = interior_distance(read_mesh(body), [told["from"]], [told["to"]], DISTANCES[name]())
+        assert told["interior"] == pytest.approx(float(expected[0]), rel=1e-9)
+        assert told["distance"] == name
+        assert "time" not in told
+
+    def test_a_time(self, run: Run, body: str) -> None:
+        ends = ("--from", INSIDE, "--to", "0.5,0,1", "--json")
+        default = json.loads(run("distance", body, *ends).out)
+        same = json.loads(run("distance", body, *ends, "--time", repr(default["time"])).out)
+        longer = json.loads(run("distance", body, *ends, "--time", repr(4 * default["time"])).out)
+        assert same == default
+        assert longer["time"] == 4 * default["time"]
+        assert longer["interior"] < default["interior"], "heat that flows longer brings points nearer"
+
+    def test_a_time_in_words_and_in_a_barycentroid(self, run: Run, body: str) -> None:
+        answer = run("distance", body, "--from", INSIDE, "--to", "0.5,0,1", "--time", "0.5")
+        assert "(Diffusion distance, t = 0.5)" in answer.out
+        assert json.loads(run("barycentroid", body, "--json", "--time", "0.5").out)["time"] == 0.5
+
+    @pytest.mark.parametrize(
+        ("options", "part"),
+        [
+            (("--time", "0"), "--time 0: the diffusion time must be a positive number, not 0.0"),
+            (("--time", "-0.5"), "--time -0.5: the diffusion time must be a positive number"),
+            (("--time", "nan"), "--time nan: the diffusion time must be a positive number"),
+            (("--time", "soon"), "--time"),
+            (("--time", "1", "--distance", "gps"), "--time 1: gps has no time"),
+        ],
+    )
+    @pytest.mark.parametrize("verb", ["render", "distance", "barycentroid"])
+    def test_times_that_mean_nothing(
+        self, run: Run, body: str, verb: str, options: tuple[str, ...], part: str
+    ) -> None:
+        more = {"distance": ("--from", INSIDE, "--to", INSIDE), "render": ("out.png",)}.get(verb, ())
+        assert part in refused(run(verb, body, *more, *options))
+
+
 class TestBarycentroid:
     def test_in_words(self, run: Run, body: str) -> None:
         answer = run("barycentroid", body)
@@ -294,6 +343,7 @@ class TestRender:
             (("--size", "0x100"), "1 to 8192"),
             (("--size", "100000x100000"), "1 to 8192"),
             (("--component", "7"), "component"),
+            (("--time", "1"), "--time 1: euclidean has no time; leave it out, or take --distance diffusion"),
             (("--sorce", "1,2,3"), "--sorce"),
             (("--source",), "--source requires an argument"),
             (("surplus",), "surplus"),
@@ -309,7 +359,7 @@ class TestRender:
 
     def test_an_unknown_distance(self, run: Run, body: str) -> None:
         told = refused(run("render", body, "out.png", "--distance", "manhattan"))
-        assert "--distance manhattan: there is no such distance; there are: diffusion, gps, biharmonic, euclidean" in told
+        assert f"--distance manhattan: there is no such distance; there are: {', '.join(DISTANCES)}" in told
 
     @pytest.mark.parametrize(
         ("out", "part"),

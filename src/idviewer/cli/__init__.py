@@ -15,7 +15,7 @@ from cyclopts import App, CycloptsError
 
 import idviewer
 from idviewer.cli import output, words, work
-from idviewer.cli.options import Asked, Component, DistanceName, Ends, Flag, Looks
+from idviewer.cli.options import Asked, Component, Ends, Flag, Kind, Looks
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
 FALLBACK_PICTURE = Path("idviewer.png")
@@ -44,7 +44,13 @@ def window(mesh: str | None = None, /) -> int:
     if obstacle:
         print(f"idviewer: {obstacle}; drawing a picture instead", file=sys.stderr, flush=True)
         words.check_picture_path(FALLBACK_PICTURE)
-        work.draw(words.mesh_of(mesh or DEFAULT_SAMPLE), FALLBACK_PICTURE, Asked(), Looks())
+        work.draw(
+            words.mesh_of(mesh or DEFAULT_SAMPLE),
+            FALLBACK_PICTURE,
+            words.distance_of(Kind()),
+            Asked(),
+            Looks(),
+        )
         print(FALLBACK_PICTURE)
         return 0
     words.need_window_libraries()
@@ -55,7 +61,14 @@ def window(mesh: str | None = None, /) -> int:
 
 @app.command
 def render(
-    mesh: str, out: Path, /, *, asked: Asked = Asked(), looks: Looks = Looks(), component: Component = None
+    mesh: str,
+    out: Path,
+    /,
+    *,
+    asked: Asked = Asked(),
+    kind: Kind = Kind(),
+    looks: Looks = Looks(),
+    component: Component = None,
 ) -> None:
     """Draw a picture into a PNG file; needs no display.
 
@@ -66,7 +79,8 @@ def render(
     """
     words.check_picture_path(out)
     work.check(asked, looks)
-    work.draw(words.mesh_of(mesh, component), out, asked, looks)
+    distance = words.distance_of(kind)
+    work.draw(words.mesh_of(mesh, component), out, distance, asked, looks)
 
 
 @app.command
@@ -75,7 +89,7 @@ def distance(
     /,
     *,
     ends: Ends = Ends(),
-    distance: DistanceName = "diffusion",
+    kind: Kind = Kind(),
     component: Component = None,
     json: Flag = False,
 ) -> None:
@@ -83,7 +97,6 @@ def distance(
 
     Args:
         mesh: A file, or the name of a bundled shape.
-        distance: The boundary distance that is carried inside: diffusion or euclidean.
         component: Which of several components to take, 1 for the largest.
         json: Print JSON.
     """
@@ -96,26 +109,27 @@ def distance(
         raise ValueError(
             "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv"
         )
-    kind = words.distance_of(distance)
-    print(answer(ends, lambda: work.solver_of(words.mesh_of(mesh, component), kind), json))
+    carried = words.distance_of(kind)
+    print(answer(ends, lambda: work.solver_of(words.mesh_of(mesh, component), carried), json))
 
 
 @app.command
 def barycentroid(
-    mesh: str, /, *, distance: DistanceName = "diffusion", component: Component = None, json: Flag = False
+    mesh: str, /, *, kind: Kind = Kind(), component: Component = None, json: Flag = False
 ) -> None:
     """Print the point inside whose mean squared distance to the surface is smallest.
 
     Args:
         mesh: A file, or the name of a bundled shape.
-        distance: The boundary distance that is carried inside: diffusion or euclidean.
         component: Which of several components to take, 1 for the largest.
         json: Print JSON.
     """
-    kind = words.distance_of(distance)
-    found = work.solver_of(words.mesh_of(mesh, component), kind).barycentroid()
+    carried = words.distance_of(kind)
+    solver = work.solver_of(words.mesh_of(mesh, component), carried)
+    found = solver.barycentroid()
     if json:
-        print(output.as_json({"distance": distance, "point": found.point, "potential": found.potential}))
+        content = {**work.kind_of(solver), "point": found.point, "potential": found.potential}
+        print(output.as_json(content))
     else:
         print(f"barycentroid  {output.coordinates(found.point)}\npotential     {found.potential!r}")
 

@@ -18,7 +18,20 @@ PlaneTexts = Annotated[
     ),
 ]
 Component = Annotated[int | None, Parameter(metavar="N")]
-DistanceName = Annotated[str, Parameter(metavar="NAME")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Kind:
+    """Which distance is carried inside.
+
+    Attributes:
+        distance: The boundary distance that is carried inside: diffusion, gps, biharmonic or euclidean.
+        time: The diffusion time t in the mesh's unit squared; if not given, 1 / (8 lambda_2).
+    """
+
+    distance: Annotated[str, Parameter(metavar="NAME")] = "diffusion"
+    time: Annotated[float | None, Parameter(metavar="T", allow_leading_hyphen=True)] = None
 
 
 @Parameter(name="*")
@@ -29,13 +42,11 @@ class Asked:
     Attributes:
         source: Where distances are measured from.
         plane: A slicing plane, such as z=0.5 (half-way through the body); may be repeated.
-        distance: The boundary distance that is carried inside: diffusion or euclidean.
         quantity: The distance from the source, or the barycentroid's potential U.
     """
 
     source: Annotated[str, SOURCE] = "barycentroid"
     plane: PlaneTexts = ()
-    distance: DistanceName = "diffusion"
     quantity: Literal["distance", "potential"] = "distance"
 
 

@@ -32,7 +32,7 @@ def pair(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
     _refuse_outside(made.mesh, points, embedded, ["--from", "--to"])
     inside, straight = math.dist(*embedded), math.dist(*points)
     if json:
-        content = {"distance": made.distance_kind.name, "from": points[0], "to": points[1]}
+        content = {**kind_of(made), "from": points[0], "to": points[1]}
         return output.as_json({**content, "interior": inside, "euclidean": straight})
     return f"interior   {inside!r}  ({made.description})\nEuclidean  {straight!r}"
 
@@ -50,7 +50,7 @@ def many(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
     )
     distances = [math.dist(embedded[0], row) for row in embedded[1:]]
     if json:
-        content = {"distance": made.distance_kind.name, "source": source, "points": points}
+        content = {**kind_of(made), "source": source, "points": points}
         return output.as_json(
             {**content, "interior": distances, "euclidean": [math.dist(source, p) for p in points]}
         )
@@ -83,10 +83,18 @@ def solver_of(mesh: Mesh, distance: Distance) -> InteriorDistance:
     return InteriorDistance(mesh, distance)
 
 
+def kind_of(solver: InteriorDistance) -> dict[str, str | float]:
+    """The distance's name and the values of its parameters, for JSON."""
+    from idviewer.core.distances import values_of
+
+    distance = solver.distance_kind
+    values = values_of(distance, float(solver.spectrum.values[0])) if distance.spectral else {}
+    return {"distance": distance.name, **values}
+
+
 def check(asked: Asked, looks: Looks) -> None:
     """Refuses what cannot be drawn, before anything is read or computed."""
     words.source_of(asked.source)
-    words.distance_of(asked.distance)
     words.size_of(looks.size)
     if not 0 <= looks.isolines <= MOST_ISOLINES:
         raise ValueError(f"--isolines {looks.isolines}: 0 to {MOST_ISOLINES} can be drawn")
@@ -94,7 +102,7 @@ def check(asked: Asked, looks: Looks) -> None:
         raise ValueError(f"--opacity {looks.opacity}: it lies between 0 (not seen) and 1")
 
 
-def draw(mesh: Mesh, out: Path, asked: Asked, looks: Looks) -> None:
+def draw(mesh: Mesh, out: Path, distance: Distance, asked: Asked, looks: Looks) -> None:
     """Computes a picture and writes it."""
     words.need_picture_libraries()
     from idviewer.core import Plane
@@ -102,7 +110,7 @@ def draw(mesh: Mesh, out: Path, asked: Asked, looks: Looks) -> None:
     from idviewer.view.images import write_image
 
     planes = tuple(Plane.parse(plane, mesh.bounds) for plane in asked.plane)
-    query = Query(planes, words.source_of(asked.source), words.distance_of(asked.distance), asked.quantity)
+    query = Query(planes, words.source_of(asked.source), distance, asked.quantity)
     display = Display(isolines=looks.isolines, colormap=looks.colormap, opacity=looks.opacity)
     frame = _frame(mesh, query)
     for text, section in zip(asked.plane, frame.slices, strict=False):

@@ -229,6 +229,19 @@ def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
     return {name: parameter for name, parameter in found if parameter is not None}
 
 
+def values_of(distance: Distance, lambda_2: float) -> dict[str, float]:
+    """The distance's parameters, defaults worked out, by the name of the field.
+
+    >>> values_of(Diffusion(), 2.0), values_of(Diffusion(time=1.0), 2.0), values_of(GPS(), 2.0)
+    ({'time': 0.0625}, {'time': 1.0}, {})
+    """
+    given = {name: getattr(distance, name) for name in parameters_of(distance)}
+    return {
+        name: parameter.default(lambda_2) if given[name] is None else given[name]
+        for name, parameter in parameters_of(distance).items()
+    }
+
+
 def with_defaults(distance: Distance) -> Distance:
     """The same kind of distance, its parameters left to their defaults.
 
