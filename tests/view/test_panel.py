@@ -223,7 +223,8 @@ def test_show_controls_change_the_display_and_the_query(recorder: Recorder) -> N
     show.barycentroid.click()
     show.scale_bar.click()
     recorder.panel.planes.handle.click()
-    for box, name in ((show.quantity, "potential"), (show.distance, "euclidean"), (show.colormap, "even")):
+    kind = recorder.panel.distance.kind
+    for box, name in ((show.quantity, "potential"), (kind, "euclidean"), (show.colormap, "even")):
         box.setCurrentIndex(box.findData(name))
         box.activated.emit(box.currentIndex())
     assert recorder.state.display == Display(9, "even", 0.4, True, False, False, 0)

@@ -8,12 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from PySide6.QtWidgets import QSlider, QStyle, QStyleOptionSlider
 from pytestqt.qtbot import QtBot
 from tests.core import shapes
 from tests.view.mouse import Mouse
 from tests.view.windows import (
     AXES,
+    LONG,
     focus,
+    pixels_of,
     show_shape,
     show_window,
     told,
@@ -21,7 +24,9 @@ from tests.view.windows import (
     write_ellipsoid,
 )
 
-from idviewer.core import DISTANCES, Mesh
+from idviewer.core import DISTANCES, GPS, Diffusion, InteriorDistance, Mesh
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.plane_samples import PlaneSamples
 from idviewer.view import help as help_sheet
 from idviewer.view.dialogs import PictureDialog
 from idviewer.view.help import HelpSheet
@@ -113,7 +118,9 @@ def test_a_source_outside_is_refused_in_words(qtbot: QtBot, window: MainWindow) 
 
 
 def test_the_potential_is_lowest_at_the_barycentroid(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
-    mouse.click(window.panel.show_group.barycentroid, 8, window.panel.show_group.barycentroid.height() // 2)
+    tick = window.panel.show_group.barycentroid
+    window.panel.ensureWidgetVisible(tick)
+    mouse.click(tick, 8, tick.height() // 2)
     window.session.set(quantity="potential")
     frame = wait_until_done(qtbot, window.session)
     assert window.session.state.display.barycentroid
@@ -139,8 +146,74 @@ def test_every_distance_can_be_shown(qtbot: QtBot, window: MainWindow) -> None:
     for name, kind in DISTANCES.items():
         window.session.set(distance=kind())
         titles.add(wait_until_done(qtbot, window.session).title)
-        assert window.panel.show_group.distance.currentData() == name
+        assert window.panel.distance.kind.currentData() == name
     assert len(titles) == len(DISTANCES)
+
+
+def test_dragging_the_time_recolours_live_without_sampling(
+    qtbot: QtBot, mouse: Mouse, ellipsoid: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window = show_shape(qtbot, ellipsoid, work=Pipeline().results)
+    session, row = window.session, window.panel.distance.rows["diffusion", "time"]
+    before, titles = session.frame, []
+    session.framed.connect(lambda frame: titles.append(frame.title))
+    monkeypatch.setattr(PlaneSamples, "_sample", None)  # calling it would be an error
+    x, middle = handle_of(row.slider)
+    pixels = pixels_of(window)
+    mouse.press(row.slider, x, middle)
+    for step in range(1, 7):
+        count = len(titles)
+        mouse.move(row.slider, x + step * row.slider.width() / 12, middle)
+        qtbot.waitUntil(lambda count=count: len(titles) > count, timeout=LONG)
+    assert len(set(titles)) >= 4, "the picture follows while the button is down"
+    mouse.release()
+    frame = wait_until_done(qtbot, session)
+    time, default = session.state.query.distance.time, 1 / (8 * frame.lambda_2)
+    assert 2 * default < time < 64 * default
+    assert frame.exact
+    assert frame.title == f"Diffusion distance, t = {time:.3g}"
+    assert float(row.field.text()) == time
+    assert row.multiple.text() == f"= {time / default:.3g} t₀"
+    assert frame.value_range[1] < before.value_range[1]
+    assert np.mean(np.any(pixels_of(window) != pixels, axis=2)) > 0.01
+    solver = InteriorDistance(frame.mesh, Diffusion(time=time))
+    np.testing.assert_allclose(frame.barycentroid, solver.barycentroid().point, atol=1e-6 * AXES.max())
+    mouse.click(row.reset)
+    assert wait_until_done(qtbot, session).title == before.title
+
+
+def handle_of(slider: QSlider) -> tuple[float, float]:
+    """Where a horizontal slider can be taken hold of."""
+    option = QStyleOptionSlider()
+    slider.initStyleOption(option)
+    style = slider.style()
+    box = style.subControlRect(
+        QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, slider
+    )
+    return box.center().x(), box.center().y()
+
+
+def test_a_time_can_be_typed_and_nonsense_is_refused(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    row = window.panel.distance.rows["diffusion", "time"]
+    mouse.click(row.field)
+    mouse.key("ctrl+a")
+    mouse.type("2t0")
+    mouse.key("Return")
+    frame = wait_until_done(qtbot, window.session)
+    assert window.session.state.query.distance.time == pytest.approx(2 / (8 * frame.lambda_2))
+    mouse.key("ctrl+a")
+    mouse.type("0")
+    mouse.key("Return")
+    told(qtbot, window, "must be a positive number, not 0")
+    assert float(row.field.text()) == pytest.approx(2 / (8 * frame.lambda_2), rel=1e-5)
+
+
+def test_kinds_without_a_time_show_none(qtbot: QtBot, window: MainWindow) -> None:
+    row = window.panel.distance.rows["diffusion", "time"]
+    assert row.isVisible()
+    assert row.isEnabled()
+    window.session.set(distance=GPS())
+    assert not row.isVisible()
 
 
 def test_the_value_under_the_mouse_is_told(mouse: Mouse, window: MainWindow) -> None:

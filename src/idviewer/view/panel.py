@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtWidgets import (
     QCheckBox,
-    QComboBox,
     QFormLayout,
     QFrame,
     QGridLayout,
     QGroupBox,
+    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPushButton,
     QScrollArea,
-    QSizePolicy,
     QSlider,
     QSpinBox,
     QStyle,
@@ -25,9 +24,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from idviewer.core import DISTANCES
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.colormaps import COLORMAPS
+from idviewer.view.panel_distance import DistanceGroup, choice
 from idviewer.view.panel_planes import PlanesGroup, tidy
 
 MOST_ISOLINES = 200
@@ -42,16 +41,18 @@ class Calls:
 
 
 class Panel(QScrollArea):
-    """Source, slicing planes, and what is shown."""
+    """Source, slicing planes, the distance, and what is shown."""
 
     def __init__(self, calls: Calls, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.source, self.planes, self.show_group = SourceGroup(calls), PlanesGroup(calls), ShowGroup(calls)
+        self.source, self.planes = SourceGroup(calls), PlanesGroup(calls)
+        self.distance, self.show_group = DistanceGroup(calls), ShowGroup(calls)
+        self._groups = (self.source, self.planes, self.distance, self.show_group)
         self._content = content = QWidget()
         layout = QVBoxLayout(content)
         layout.setContentsMargins(10, 8, 10, 8)
         layout.setSpacing(12)
-        for group in (self.source, self.planes, self.show_group):
+        for group in self._groups:
             layout.addWidget(group)
         layout.addStretch(1)
         self.setWidget(content)
@@ -63,9 +64,9 @@ class Panel(QScrollArea):
         self.setMinimumWidth(content.minimumSizeHint().width() + bar)
 
     def show_state(self, state: State, frame: Frame | None) -> None:
-        """Shows the state; frame tells where the barycentroid is when that is the source."""
+        """Shows the state; frame tells where the barycentroid is, and lambda_2."""
         self._content.setEnabled(state.mesh is not None)
-        for group in (self.source, self.planes, self.show_group):
+        for group in self._groups:
             group.show_state(state, frame)
 
 
@@ -132,9 +133,8 @@ class ShowGroup(QGroupBox):
 
     def __init__(self, calls: Calls) -> None:
         super().__init__("Show")
-        self.quantity = _choice([("distance", "Distance from the source"), ("potential", "Potential U")])
-        self.distance = _choice([(name, kind.title) for name, kind in DISTANCES.items()])
-        self.colormap = _choice(COLORMAPS.items())
+        self.quantity = choice([("distance", "Distance from the source"), ("potential", "Potential U")])
+        self.colormap = choice(COLORMAPS.items())
         self.isolines = QSpinBox()
         self.isolines.setRange(0, MOST_ISOLINES)
         self.isolines.setSpecialValueText("none")
@@ -150,21 +150,21 @@ class ShowGroup(QGroupBox):
         layout.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow)
         rows = {
             "Quantity": self.quantity,
-            "Distance": self.distance,
             "Isolines": self.isolines,
             "Colours": self.colormap,
             "Body opacity": self.opacity,
         }
         for label, widget in rows.items():
             layout.addRow(label, widget)
-        layout.addRow(self.barycentroid)
-        layout.addRow(self.scale_bar)
+        ticks = QHBoxLayout()
+        ticks.addWidget(self.barycentroid)
+        ticks.addWidget(self.scale_bar)
+        layout.addRow(ticks)
         self.opacity.setToolTip("How opaque the body is")
         self.isolines.setToolTip("Number of equal steps between isolines")
 
     def _connect(self, calls: Calls) -> None:
         self.quantity.activated.connect(lambda: calls.set(quantity=self.quantity.currentData()))
-        self.distance.activated.connect(lambda: calls.set(distance=DISTANCES[self.distance.currentData()]()))
         self.colormap.activated.connect(lambda: calls.set(colormap=self.colormap.currentData()))
         self.isolines.valueChanged.connect(lambda value: calls.set(isolines=value))
         self.opacity.valueChanged.connect(lambda value: calls.set(opacity=value / 100))
@@ -174,28 +174,17 @@ class ShowGroup(QGroupBox):
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state without calling anything."""
         query, display = state.query, state.display
-        for choice, value in (
+        for box, value in (
             (self.quantity, query.quantity),
-            (self.distance, query.distance.name),
             (self.colormap, display.colormap),
         ):
-            choice.setCurrentIndex(choice.findData(value))
+            box.setCurrentIndex(box.findData(value))
         with QSignalBlocker(self.isolines):
             self.isolines.setValue(display.isolines)
         with QSignalBlocker(self.opacity):
             self.opacity.setValue(round(100 * display.opacity))
         self.barycentroid.setChecked(display.barycentroid)
         self.scale_bar.setChecked(display.scale_bar)
-
-
-def _choice(items: Iterable[tuple[str, str]]) -> QComboBox:
-    box = QComboBox()
-    for name, title in items:
-        box.addItem(title, name)
-    box.setMinimumContentsLength(10)
-    box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-    return box
 
 
 def _field(name: str) -> QLineEdit:

@@ -106,7 +106,7 @@ def nice_labels(low: float, high: float, about: int = LABELS) -> tuple[NDArray[n
 
 def _broken(title: str) -> str:
     """A title with its parameters on lines of their own."""
-    return re.sub(r"(?<=,) | (?=\()", "\n", title)
+    return re.sub(r"(?<=[,;]) | (?=\()", "\n", title)
 
 
 def _flat(data: vtkPolyData, layer: int) -> vtkActor2D:
