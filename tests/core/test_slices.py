@@ -130,6 +130,17 @@ def test_slice_meshes_fill_the_section_exactly(name, samples, rng):
             assert (winding_numbers(mesh, filled.node_points) > 0.5).all()
 
 
+def test_bands_that_cannot_be_cut_ear_by_ear_are_filled_all_the_same(monkeypatch):
+    cut = section(BODIES["torus"], Plane((0, 0, 0.05), (0.1, 0.2, 1.0)))
+    expected = slice_mesh(cut, spacing_for(cut, 100))
+    monkeypatch.setattr("idviewer.core.slice_mesh.cut_ears", lambda points, first: None)
+    filled = slice_mesh(cut, spacing_for(cut, 100))
+    assert len(filled.triangles) == len(expected.triangles)
+    corners = filled.points[filled.triangles]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ cut.plane.normal / 2
+    assert areas.sum() == pytest.approx(cut.area, rel=1e-9)
+
+
 def test_every_side_but_the_outline_s_is_shared_by_two_triangles(rng):
     cut = section(BODIES["torus"], Plane((0, 0, 0.05), (0.1, 0.2, 1.0)))
     assert len(cut.loops) == 2

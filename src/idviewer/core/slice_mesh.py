@@ -9,6 +9,7 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
+from idviewer.core._kernels.ears import cut_ears
 from idviewer.core.slices import Section, cycles_of
 
 Floats = NDArray[np.float64]
@@ -222,9 +223,12 @@ def _fill(section: Section, stairs: list[Ints32], nodes: Floats) -> Ints32:
     """Triangulate the band between the outline and staircases (clockwise) of (q, 2) nodes."""
     loops = [*section.loops, *(stair.astype(np.int64) + len(section.flat) for stair in stairs)]
     flat = np.concatenate([section.flat, nodes])
-    # About the region's middle and in its own unit, so that the library's tolerance means the same anywhere.
+    band, first = np.concatenate(loops), np.cumsum([0, *map(len, loops)])
+    # About the region's middle and in its own unit, so that rounding and tolerances mean the same anywhere.
     lowest, highest = section.flat.min(axis=0), section.flat.max(axis=0)
-    band = np.concatenate(loops)
     scaled = (flat[band] - 0.5 * (lowest + highest)) / float((highest - lowest).max())
-    triangles = manifold3d.triangulate(np.split(scaled, np.cumsum([len(loop) for loop in loops])[:-1]))
-    return band.astype(np.int32)[np.asarray(triangles).reshape(-1, 3)]
+    triangles = cut_ears(scaled, first)
+    if triangles is None:
+        # Loops that cross themselves: this one copes with anything, and takes three times as long.
+        triangles = np.asarray(manifold3d.triangulate(np.split(scaled, first[1:-1]))).reshape(-1, 3)
+    return band.astype(np.int32)[triangles]
