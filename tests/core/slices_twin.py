@@ -7,9 +7,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from idviewer.core._lattice import MARGIN
 from idviewer.core.mesh import Mesh
 from idviewer.core.plane import Plane
-from idviewer.core.slice_mesh import MARGIN
 from idviewer.core.slices import Section
 
 Edge = tuple[int, int]

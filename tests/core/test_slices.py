@@ -11,7 +11,7 @@ from idviewer.core.mesh import Mesh
 from idviewer.core.plane import Plane
 from idviewer.core.rays import Ray, crossings, middle_of_first_chord
 from idviewer.core.slice_mesh import refined, slice_mesh, spacing_for
-from idviewer.core.slices import section
+from idviewer.core.slices import Section, section
 
 
 def random_plane(mesh: Mesh, rng: np.random.Generator) -> Plane:
@@ -128,6 +128,60 @@ def test_slice_meshes_fill_the_section_exactly(name, samples, rng):
         np.testing.assert_allclose(filled.points[: len(cut.flat)], cut.points, atol=0)
         if len(filled.nodes):
             assert (winding_numbers(mesh, filled.node_points) > 0.5).all()
+
+
+def drawn(*rectangles: tuple[float, float, float, float]) -> Section:
+    """The section that consists of upright rectangles, (x, y, width, height) each."""
+    corners = np.array([[(x, y), (x + w, y), (x + w, y + h), (x, y + h)] for x, y, w, h in rectangles])
+    loops = tuple(np.arange(4 * len(corners)).reshape(-1, 4))
+    count = 4 * len(corners)
+    return Section(
+        Plane((0, 0, 0), (0, 0, 1)),
+        np.zeros((count, 2), dtype=np.int64),
+        np.zeros(count),
+        corners.reshape(-1, 2),
+        loops,
+    )
+
+
+@pytest.mark.parametrize("size", [1e-2, 1e-5, 1e-10])
+def test_specks_far_from_each_other_take_no_more_memory_than_near_ones(size):
+    cut = drawn((0, 0, size, size), (1, 1, size, size), (0, 1, size, size))
+    filled = slice_mesh(cut, spacing_for(cut, 1000))
+    flat = np.concatenate([cut.flat, filled.nodes * filled.spacing])
+    assert len(filled.nodes) == 0 if size < 1e-9 else 600 < len(filled.nodes) < 1200
+    assert signed_areas(flat, filled.triangles).min() >= 0
+    assert signed_areas(flat, filled.triangles).sum() == pytest.approx(cut.area, rel=1e-6)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-9, 1e-300])
+def test_slivers_get_few_nodes(width):
+    cut = drawn((0, 0, 1, width))
+    spacing = spacing_for(cut, 1000)
+    assert spacing >= 2 / 16 / 1000
+    assert len(slice_mesh(cut, spacing).triangles) >= 2
+
+
+def signed_areas(flat: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    a, b, c = np.moveaxis(flat[triangles], 1, 0)
+    return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+
+
+def test_refining_equals_its_slow_twin(rng):
+    cut = section(BODIES["torus"], random_plane(BODIES["torus"], rng))
+    triangles = slice_mesh(cut, spacing_for(cut, 100)).triangles
+    count = int(triangles.max()) + 1
+    ends, smaller = refined(np.zeros((count, 2)), triangles)
+    sides = sorted(
+        {(min(a, b), max(a, b)) for t in triangles.tolist() for a, b in zip(t, t[1:] + t[:1], strict=True)}
+    )
+    assert list(map(tuple, ends.tolist())) == sides
+    middle = {side: count + at for at, side in enumerate(sides)}
+    expected = set()
+    for a, b, c in triangles.tolist():
+        ab, bc, ca = (middle[min(pair), max(pair)] for pair in ((a, b), (b, c), (c, a)))
+        expected |= {(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)}
+    assert set(map(tuple, smaller.tolist())) == expected
 
 
 def test_bands_that_cannot_be_cut_ear_by_ear_are_filled_all_the_same(monkeypatch):
