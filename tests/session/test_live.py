@@ -112,16 +112,16 @@ def test_a_distance_shown_before_is_settled_at_once(pipeline, sampled):
 
 def test_a_search_goes_on_where_a_newer_query_stopped_it(pipeline, monkeypatch):
     searches = []
-    original = barycentroid_module.interior_samples
+    original = barycentroid_module.interior_sample_steps
 
     def counting(mesh):
         searches.append(mesh)
         return original(mesh)
 
-    monkeypatch.setattr(barycentroid_module, "interior_samples", counting)
+    monkeypatch.setattr(barycentroid_module, "interior_sample_steps", counting)
     results = pipeline.results(asked(GPS()))
     until_a_frame(results)
-    for _ in range(6):
+    for _ in range(30):
         next(results)
     results.close()
     moved = FrameRequest(MESH, Query((Plane((0, 0, 0), (0, 0, 1.0)),), SOURCE, GPS()))
@@ -136,9 +136,14 @@ def test_a_search_goes_on_where_a_newer_query_stopped_it(pipeline, monkeypatch):
     assert len(searches) == 3, "dropping forgets half-done work"
 
 
+def nothing(_mesh):
+    yield
+    return np.empty((0, 3))
+
+
 def test_a_search_that_fails_is_told_and_can_be_repeated(pipeline, monkeypatch):
     with monkeypatch.context() as broken:
-        broken.setattr(barycentroid_module, "interior_samples", lambda mesh: np.empty((0, 3)))
+        broken.setattr(barycentroid_module, "interior_sample_steps", nothing)
         *_, failure = pipeline.results(asked(GPS()))
         assert isinstance(failure, Failure)
         assert isinstance(failure.error, MeshError)

@@ -12,6 +12,7 @@ from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import AXES, Plane
 from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
 from idviewer.core.slices import section
+from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
 Evaluate = Callable[[Floats], Generator[float | None, None, Floats]]
@@ -53,7 +54,7 @@ def barycentroid_steps(mesh: Mesh, potential: Evaluate) -> Generator[float | Non
     Raises:
         MeshError: no point inside the mesh could be found.
     """
-    samples = interior_samples(mesh)
+    samples = yield from interior_sample_steps(mesh)
     values = yield from potential(samples)
     inside = np.isfinite(values)
     if not inside.any():
@@ -69,6 +70,11 @@ def barycentroid_steps(mesh: Mesh, potential: Evaluate) -> Generator[float | Non
 
 def interior_samples(mesh: Mesh) -> Floats:
     """(p, 3) points spread evenly over the inside: lattices on planes across the longest axis."""
+    return finish(interior_sample_steps(mesh))
+
+
+def interior_sample_steps(mesh: Mesh) -> Generator[None, None, Floats]:
+    """`interior_samples` as a generator that yields between the planes."""
     axis = list(AXES)[int(np.argmax(np.ptp(mesh.bounds, axis=0)))]
     layers = []
     for fraction in (np.arange(LAYERS) + 0.5) / LAYERS:
@@ -76,6 +82,7 @@ def interior_samples(mesh: Mesh) -> Floats:
         if cut.area > 0.0:
             filled = slice_mesh(cut, spacing_for(cut, SAMPLES_A_LAYER))
             layers.append(filled.node_points if len(filled.nodes) else _largest_triangles(filled))
+        yield
     return np.concatenate(layers) if layers else np.empty((0, 3))
 
 
