@@ -121,7 +121,8 @@ def test_the_barycentroid_lies_inside_and_lower_than_all_that_was_sampled(name, 
     assert np.isfinite(solver.potential(found.point[None])).all()
     assert found.potential == pytest.approx(float(solver.potential(found.point[None])[0]), rel=1e-12)
     assert found.potential <= solver.potential(inner_points(body, rng, 300)).min()
-    assert (np.diff(solver.potential(found.path)) < 0).all()
+    heights = solver.potential(found.path)
+    assert (np.diff(heights) < 1e-14 * heights[0]).all()  # the last steps are as small as rounding
     # No step in any direction goes lower.
     around = found.point + 1e-3 * body.diagonal * np.concatenate([np.eye(3), -np.eye(3)])
     assert found.potential <= np.nanmin(solver.potential(around))

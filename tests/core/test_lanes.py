@@ -19,6 +19,7 @@ from idviewer.core._kernels.lanes import (
     splat,
     store,
     total,
+    transpose,
 )
 
 
@@ -66,6 +67,20 @@ def test_the_operations_are_those_of_numpy(dtype, rng):
     masks = (a < b, a <= 0.5, b > a, a >= a[0])
     assert found[:4] == tuple(sum(1 << i for i in np.flatnonzero(mask)) for mask in masks)
     assert found[4:] == (False, bool((a < b).any()))
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_a_square_is_transposed_in_place(dtype, rng):
+    array = rng.random((2 + LANES, LANES)).astype(dtype)
+    expected = array.copy()
+    expected[2:] = array[2:].T
+    turned(array, 2 * LANES)
+    np.testing.assert_array_equal(array, expected)
+
+
+@numba.njit
+def turned(array, offset):
+    transpose(array, offset)
 
 
 @numba.njit

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 SLIGHT_LIMIT = 1.0 / 32.0
-"""Up to this s the short polynomial does."""
+"""Up to this s a short polynomial does: angles below 20 degrees."""
+
+DISTANT_LIMIT = 1.0 / 512.0
+"""Up to this s a still shorter one does: angles below 5 degrees."""
 
 
 def fit_angle_ratio(highest: float, degree: int) -> tuple[float, ...]:
@@ -26,5 +29,8 @@ def fit_angle_ratio(highest: float, degree: int) -> tuple[float, ...]:
 NEAR = fit_angle_ratio(0.5, 20)
 """On [0, 1/2], with an error of 5e-16."""
 
-SLIGHT = fit_angle_ratio(SLIGHT_LIMIT, 7)
-"""On [0, SLIGHT_LIMIT], likewise."""
+SLIGHT = fit_angle_ratio(SLIGHT_LIMIT, 6)
+"""On [0, SLIGHT_LIMIT], with an error of 5e-17 in theta / sin(theta)."""
+
+DISTANT = fit_angle_ratio(DISTANT_LIMIT, 3)
+"""On [0, DISTANT_LIMIT], with an error of 8e-17."""

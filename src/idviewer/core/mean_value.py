@@ -63,7 +63,13 @@ class MeanValueCoordinates:
         for chosen, packed in self._batches(points):
             places = np.full((len(packed), _kernels.LANES), -1)
             places.ravel()[: len(chosen)] = chosen
-            _kernels.mean_value_weights(packed, self._surface, self._tolerance, self._scratch, places, result)
+            product = np.empty((0, 0)), np.empty((len(packed), 1, 0, 0))
+            landing, _ = self._weigh(packed, self._kept, product, (places, result))
+            for block, lane in np.argwhere(landing.touched):
+                row, rows = places[block, lane], landing.rows[block, lane]
+                if row >= 0:
+                    result[row] = 0.0
+                    np.add.at(result[row], self._surface.vertices[rows], landing.shares[block, lane])
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
@@ -81,28 +87,66 @@ class MeanValueCoordinates:
         result = np.empty((len(points), values.shape[1]))
         done = 0
         for chosen, packed in self._batches(points):
-            rows = np.empty((len(packed), _kernels.LANES, values.shape[1]))
-            states = np.empty((len(packed), _kernels.LANES), dtype=np.int8)
-            _kernels.interpolate(packed, self._surface, self._tolerance, self._scratch, by_row, rows, states)
-            result[chosen] = _known(rows.reshape(states.size, -1), states)[: len(chosen)]
+            carried = self._interpolated(packed, len(chosen), by_row)
+            result[chosen] = carried[:, : values.shape[1]]
             done += len(chosen)
             yield done / len(points)
         return result
 
+    def _interpolated(self, packed: Floats, count: int, by_row: Floats) -> Floats:
+        """Values at the surface's rows, carried to the first count packed points (blocks, 3, lanes)."""
+        blocks, lanes = len(packed), min(_kernels.LANES, 4 * -(-count // 4))
+        parts = max(1, self._workers // blocks)
+        sums = np.zeros((blocks, parts, lanes, by_row.shape[1]))
+        kept = np.empty((self._workers, self._scratch.seen.shape[1], _kernels.LANES))
+        nowhere = np.empty((0, 0), dtype=np.int64), np.empty((0, 0))
+        landing, totals = self._weigh(packed, kept, (by_row, sums), nowhere)
+        total = totals.sum(axis=1).ravel()[:count]
+        total[~(total > 0.0)] = np.nan  # outside: docs/mean_value.md
+        result = sums.sum(axis=1).reshape(blocks * lanes, -1)[:count] / total[:, None]
+        for unit, lane in np.argwhere(landing.touched):
+            point, rows = unit // parts * _kernels.LANES + lane, landing.rows[unit, lane]
+            if point < count:
+                result[point] = landing.shares[unit, lane] @ by_row[rows]
+        return result
+
+    def _weigh(
+        self,
+        packed: Floats,
+        kept: Floats,
+        product: tuple[Floats, Floats],
+        weights: tuple[Ints, Floats],
+    ) -> tuple[_kernels.Landing, Floats]:
+        """Run the kernel; which points are on the surface, and the weights' sums (blocks, parts, lanes)."""
+        blocks, parts = product[1].shape[:2]
+        landing, totals = _kernels.no_landing(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
+        _kernels.weigh(
+            packed, self._surface, self._tolerance, self._scratch, landing, totals, kept, product, weights
+        )
+        return landing, totals
+
     def _by_row(self, values: Floats) -> Floats:
-        """The values in the order of the surface's rows; those that cannot change are kept."""
+        """The values at the surface's rows, padded to whole vectors; kept if they cannot change."""
         if self._arranged is not None and self._arranged[0] is values:
             return self._arranged[1]
-        by_row = np.ascontiguousarray(values[self._surface.vertices])
+        count, lanes = values.shape[1], _kernels.LANES
+        by_row = np.zeros((len(self._surface.vertices), -(-count // lanes) * lanes))
+        by_row[:, :count] = values[self._surface.vertices]
         if not values.flags.writeable:
             self._arranged = (values, by_row)
         return by_row
 
     @cached_property
-    def _scratch(self) -> tuple[Floats, Floats]:
-        threads, lanes = _kernels.thread_count(), _kernels.LANES
-        rows = int(np.diff(self._surface.first_row).max())
-        return np.empty((threads, rows, 5 * lanes)), np.empty((threads, rows, lanes))
+    def _workers(self) -> int:
+        return _kernels.thread_count()
+
+    @cached_property
+    def _scratch(self) -> _kernels.Scratch:
+        return _kernels.scratch_for(self._surface, self._workers)
+
+    @cached_property
+    def _kept(self) -> Floats:
+        return np.empty((self._workers, len(self._surface.vertices), _kernels.LANES))
 
     def _batches(self, points: Floats) -> Generator[tuple[Ints, Floats], None, None]:
         """Indices of some points that lie together, and the points as (blocks, 3, lanes).
@@ -150,9 +194,3 @@ def as_points(points: ArrayLike) -> Floats:
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"points must have shape (p, 3), not {array.shape}")
     return array
-
-
-def _known(rows: Floats, states: NDArray[np.int8]) -> Floats:
-    """The rows, NaN for points outside."""
-    rows[states.ravel() == _kernels.OUTSIDE] = np.nan
-    return rows

@@ -5,24 +5,18 @@ distance; for the triangle (1, 2, 3), s_jk = |u_j - u_k|^2 / 4 and c_jk = |u_j +
 Everything is in units of the bounding box's diagonal, about its centre.
 """
 
-from idviewer.core._kernels.blocks import (
-    INSIDE,
-    ON_SURFACE,
-    OUTSIDE,
-    interpolate,
-    mean_value_weights,
-    thread_count,
-)
-from idviewer.core._kernels.faces import LANES
+from idviewer.core._kernels.blocks import thread_count, weigh
+from idviewer.core._kernels.lanes import LANES
+from idviewer.core._kernels.patches import Landing, Scratch, no_landing, scratch_for
 from idviewer.core._kernels.surface import Surface
 
 __all__ = [
-    "INSIDE",
     "LANES",
-    "ON_SURFACE",
-    "OUTSIDE",
+    "Landing",
+    "Scratch",
     "Surface",
-    "interpolate",
-    "mean_value_weights",
+    "no_landing",
+    "scratch_for",
     "thread_count",
+    "weigh",
 ]

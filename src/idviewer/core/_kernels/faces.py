@@ -1,19 +1,29 @@
-"""A face's shares of the mean value weights, for a block of points: no branches, no trigonometry."""
+"""Faces' shares of the mean value weights, for LANES points at once: no branches, no trigonometry.
+
+A view holds two vectors a row (inverse distances and distances), kappas one an edge, weights one a row.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numba
 
-from idviewer.core._angle_ratio import NEAR as _Q
-from idviewer.core._angle_ratio import SLIGHT as _S
-
-LANES = 16
-"""Points worked on together: two of the widest vector registers of float64."""
-
-INVERSE, WEIGHT = 3 * LANES, 4 * LANES
-"""Where the inverse distances and the weights begin in a row of a view; see `look_from`."""
+from idviewer.core._angle_ratio import DISTANT, NEAR, SLIGHT, SLIGHT_LIMIT
+from idviewer.core._kernels.lanes import (
+    LANES,
+    any_of,
+    at,
+    bits,
+    choose,
+    load,
+    root,
+    smaller,
+    splat,
+    store,
+)
+from idviewer.core._kernels.surface import CONSTANTS
 
 GRAZING = 1e-3
 """Sine of the angle between a face and the view from x below which det(u_1, u_2, u_3) loses digits."""
@@ -22,94 +32,194 @@ TINY = 1e-300
 
 FAST = {"contract", "nsz"}  # never anything that lets NaN or infinity be assumed away
 
+OPTIONS: dict[str, Any] = {"fastmath": FAST, "error_model": "numpy"}
 
-@numba.njit(inline="always", fastmath=FAST, error_model="numpy")
-def bend(s: float, c: float) -> float:
-    """g - 1 with g = theta / sin(theta), from sin^2 and cos^2 of theta / 2."""
-    small = s if s < c else c
+PLAIN = {**OPTIONS, "_nrt": False}
+"""For functions that make no arrays: nothing is counted, and half as much code compiled."""
+
+_Q = NEAR
+_S = tuple(value / 4.0 ** (power + 1) for power, value in enumerate(SLIGHT))
+_D = tuple(value / 4.0 ** (power + 1) for power, value in enumerate(DISTANT))
+
+
+@numba.njit(inline="always", **OPTIONS)
+def near_bend(small):  # type: ignore[no-untyped-def]
+    """theta / sin(theta) - 1 from sin^2(theta / 2), up to a right angle; numbers or vectors."""
     q = ((_Q[20] * small + _Q[19]) * small + _Q[18]) * small + _Q[17]
     q = (((q * small + _Q[16]) * small + _Q[15]) * small + _Q[14]) * small + _Q[13]
     q = (((q * small + _Q[12]) * small + _Q[11]) * small + _Q[10]) * small + _Q[9]
     q = (((q * small + _Q[8]) * small + _Q[7]) * small + _Q[6]) * small + _Q[5]
     q = ((((q * small + _Q[4]) * small + _Q[3]) * small + _Q[2]) * small + _Q[1]) * small + _Q[0]
-    near = small * q
+    return q * small
+
+
+@numba.njit(**PLAIN)
+def _bends(s, c):  # type: ignore[no-untyped-def]
+    """theta / sin(theta) - 1 from sin^2 and cos^2 of theta / 2."""
+    near = near_bend(smaller(s, c))
     # Past a right angle: theta = pi - (the angle of the swapped halves).
-    far = 0.5 * math.pi / math.sqrt(s * c + TINY) - near - 2.0
-    return near if s <= c else far
+    return choose(s <= c, near, 0.5 * math.pi / root(s * c + TINY) - near - 2.0)
 
 
-@numba.njit(inline="always", fastmath=FAST, error_model="numpy")
-def _slight_bend(s: float, c: float) -> float:
-    """As `bend`, for s up to SLIGHT_LIMIT; what the caller computes c from is left out by the compiler."""
-    q = ((_S[7] * s + _S[6]) * s + _S[5]) * s + _S[4]
-    return s * ((((q * s + _S[3]) * s + _S[2]) * s + _S[1]) * s + _S[0])
+@numba.njit(**PLAIN)
+def look_from(x, positions, start, end, view):  # type: ignore[no-untyped-def]
+    """Points x (3, LANES) look at rows; the view holds inverse distances and distances."""
+    x_0, x_1, x_2 = load(x, 0), load(x, LANES), load(x, 2 * LANES)
+    place = 0
+    for i in range(3 * start, 3 * end, 3):
+        d_0, d_1, d_2 = at(positions, i) - x_0, at(positions, i + 1) - x_1, at(positions, i + 2) - x_2
+        square = d_0 * d_0 + d_1 * d_1 + d_2 * d_2 + TINY
+        inverse = 1.0 / root(square)
+        store(view, place, inverse)
+        store(view, place + LANES, square * inverse)
+        place += 2 * LANES
 
 
-@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
-def look_from(x, vertices, view):  # type: ignore[no-untyped-def]
-    """A block of points looks at vertices; each row of view then holds five runs of LANES numbers.
+@numba.njit(inline="always", **OPTIONS)
+def _edge(view, ends, squares, e):  # type: ignore[no-untyped-def]
+    """1 / (d_j d_k) of an edge and 4 sin^2(theta / 2) = (|e|^2 - (d_j - d_k)^2) / (d_j d_k)."""
+    j, k = 2 * LANES * at(ends, 2 * e), 2 * LANES * at(ends, 2 * e + 1)
+    product, step = load(view, j) * load(view, k), load(view, j + LANES) - load(view, k + LANES)
+    return product, (at(squares, e) - step * step) * product
 
-    They are the unit vectors' x, y and z, the inverse distances, and the weights, which start at 0. One
-    flat row makes all offsets constants, without which the compiler would not vectorise the loops below.
+
+@numba.njit(**PLAIN)
+def find_distant_kappas(view, ends, squares, start, end, kappas):  # type: ignore[no-untyped-def]
+    """kappa = theta / sin(theta) / (d_j d_k) of edges, all of which are seen under distant angles."""
+    for e in range(start, end):
+        product, s = _edge(view, ends, squares, e)
+        bend = (((_D[3] * s + _D[2]) * s + _D[1]) * s + _D[0]) * s
+        store(kappas, (e - start) * LANES, product * bend + product)
+
+
+@numba.njit(**PLAIN)
+def find_kappas(view, ends, squares, start, end, kappas, near):  # type: ignore[no-untyped-def]
+    """kappa of edges; those that some point sees under no slight angle get a mark instead."""
+    for e in range(start, end):
+        product, s = _edge(view, ends, squares, e)
+        near[e - start] = any_of(s > 4.0 * SLIGHT_LIMIT)
+        bend = ((_S[6] * s + _S[5]) * s + _S[4]) * s + _S[3]
+        bend = (((bend * s + _S[2]) * s + _S[1]) * s + _S[0]) * s
+        store(kappas, (e - start) * LANES, product * bend + product)
+
+
+@numba.njit(inline="always", **OPTIONS)
+def _add(weights, place, shares):  # type: ignore[no-untyped-def]
+    store(weights, place, load(weights, place) + shares)
+
+
+@numba.njit(inline="always", **OPTIONS)
+def _affine(constants, c, x_0, x_1, x_2):  # type: ignore[no-untyped-def]
+    sum_0 = at(constants, c) * x_0 + at(constants, c + 3)
+    return at(constants, c + 2) * x_2 + (at(constants, c + 1) * x_1 + sum_0)
+
+
+@numba.njit(**PLAIN)
+def note(grazed, count, face, lanes):  # type: ignore[no-untyped-def]
+    """Add a face and the lanes of grazing views, as bits, to a list of count; returns the new count."""
+    if lanes:
+        grazed[count, 0], grazed[count, 1] = face, lanes
+        count += 1
+    return count
+
+
+@numba.njit(**PLAIN)
+def add_far_shares(x, faces, constants, start, end, kappas, weights, grazed, count):  # type: ignore[no-untyped-def]
+    """Add the shares of faces seen under slight angles, by the fast formula of docs/mean_value.md.
+
+    Grazing views get none and go to the list of grazed faces, whose new count is returned.
     """
-    for i in range(vertices.shape[0]):
-        vx, vy, vz = vertices[i, 0], vertices[i, 1], vertices[i, 2]
-        seen = view[i]
-        for lane in range(LANES):
-            dx, dy, dz = vx - x[0, lane], vy - x[1, lane], vz - x[2, lane]
-            over = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz + TINY)
-            seen[lane] = dx * over
-            seen[LANES + lane] = dy * over
-            seen[2 * LANES + lane] = dz * over
-            seen[INVERSE + lane] = over
-            seen[WEIGHT + lane] = 0.0
+    x_0, x_1, x_2 = load(x, 0), load(x, LANES), load(x, 2 * LANES)
+    for f in range(start, end):
+        c, i = CONSTANTS * f, 6 * f
+        kappa_1, kappa_2 = load(kappas, LANES * at(faces, i + 3)), load(kappas, LANES * at(faces, i + 4))
+        kappa_3 = load(kappas, LANES * at(faces, i + 5))
+        d_12, d_23, d_31 = kappa_2 - kappa_1, kappa_3 - kappa_2, kappa_1 - kappa_3
+        eta = _affine(constants, c, x_0, x_1, x_2)
+        beta_1, beta_2 = _affine(constants, c + 4, x_0, x_1, x_2), _affine(constants, c + 8, x_0, x_1, x_2)
+        total = (kappa_3 + d_31 * beta_1 - d_23 * beta_2) / eta
+        grazing = eta * eta * kappa_1 < at(constants, c + 15)
+        if any_of(grazing):
+            total, eta = choose(grazing, 0.0, total), choose(grazing, 0.0, eta)
+            count = note(grazed, count, f, bits(grazing))
+        p = at(constants, c + 12) * d_12
+        w_1 = total * beta_1 + eta * (p - at(constants, c + 14) * d_31)
+        w_2 = total * beta_2 + eta * (at(constants, c + 13) * d_23 - p)
+        _add(weights, LANES * at(faces, i), w_1)
+        _add(weights, LANES * at(faces, i + 1), w_2)
+        _add(weights, LANES * at(faces, i + 2), total - w_1 - w_2)
+    return count
 
 
-def _shares_with(bend_of):  # type: ignore[no-untyped-def]
-    @numba.njit(fastmath=FAST, error_model="numpy", cache=True)
-    def add_shares(a, b, c, grazing):  # type: ignore[no-untyped-def]
-        """Add one face's shares to its corners' weights; grazing views get none and a mark."""
-        for lane in range(LANES):
-            ax, ay, az = a[lane], a[LANES + lane], a[2 * LANES + lane]
-            bx, by, bz = b[lane], b[LANES + lane], b[2 * LANES + lane]
-            cx, cy, cz = c[lane], c[LANES + lane], c[2 * LANES + lane]
-            abx, aby, abz = bx - ax, by - ay, bz - az
-            acx, acy, acz = cx - ax, cy - ay, cz - az
-            bcx, bcy, bcz = cx - bx, cy - by, cz - bz
-            sx, sy, sz = ax + bx, ay + by, az + bz
-            g_ab = bend_of(0.25 * (abx * abx + aby * aby + abz * abz), 0.25 * (sx * sx + sy * sy + sz * sz))
-            sx, sy, sz = bx + cx, by + cy, bz + cz
-            g_bc = bend_of(0.25 * (bcx * bcx + bcy * bcy + bcz * bcz), 0.25 * (sx * sx + sy * sy + sz * sz))
-            sx, sy, sz = cx + ax, cy + ay, cz + az
-            g_ca = bend_of(0.25 * (acx * acx + acy * acy + acz * acz), 0.25 * (sx * sx + sy * sy + sz * sz))
-            # Cross products through the chords, which keep their digits on small far faces.
-            tx, ty, tz = aby * acz - abz * acy, abz * acx - abx * acz, abx * acy - aby * acx
-            ab_x, ab_y, ab_z = ay * abz - az * aby, az * abx - ax * abz, ax * aby - ay * abx
-            bc_x, bc_y, bc_z = by * bcz - bz * bcy, bz * bcx - bx * bcz, bx * bcy - by * bcx
-            ca_x, ca_y, ca_z = acy * az - acz * ay, acz * ax - acx * az, acx * ay - acy * ax
-            rx = tx + g_ab * ab_x + g_bc * bc_x + g_ca * ca_x
-            ry = ty + g_ab * ab_y + g_bc * bc_y + g_ca * ca_y
-            rz = tz + g_ab * ab_z + g_bc * bc_z + g_ca * ca_z
-            det = ax * tx + ay * ty + az * tz
-            flat = det * det <= GRAZING * GRAZING * (tx * tx + ty * ty + tz * tz)
-            scale = 0.0 if flat else 0.5 / det
-            grazing[lane] = 1.0 if flat else 0.0
-            a[WEIGHT + lane] += scale * a[INVERSE + lane] * (rx * bc_x + ry * bc_y + rz * bc_z)
-            b[WEIGHT + lane] += scale * b[INVERSE + lane] * (rx * ca_x + ry * ca_y + rz * ca_z)
-            c[WEIGHT + lane] += scale * c[INVERSE + lane] * (rx * ab_x + ry * ab_y + rz * ab_z)
-
-    return add_shares
+@numba.njit(inline="always", **OPTIONS)
+def _unit(x, positions, i, inverse):  # type: ignore[no-untyped-def]
+    return (
+        (at(positions, 3 * i) - load(x, 0)) * inverse,
+        (at(positions, 3 * i + 1) - load(x, LANES)) * inverse,
+        (at(positions, 3 * i + 2) - load(x, 2 * LANES)) * inverse,
+    )
 
 
-add_near_shares = _shares_with(bend)
-add_far_shares = _shares_with(_slight_bend)
-"""For faces seen under small angles: shorter polynomials, and one division in all."""
+@numba.njit(inline="always", **OPTIONS)
+def _minus(a, b):  # type: ignore[no-untyped-def]
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@numba.njit(fastmath=FAST | {"reassoc"}, error_model="numpy", cache=True)
-def total(values):  # type: ignore[no-untyped-def]
-    """Sum of LANES numbers."""
-    result = 0.0
-    for lane in range(LANES):
-        result += values[lane]
+@numba.njit(inline="always", **OPTIONS)
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@numba.njit(inline="always", **OPTIONS)
+def _cross(a, b):  # type: ignore[no-untyped-def]
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@numba.njit(**PLAIN)
+def _bend_between(a, b):  # type: ignore[no-untyped-def]
+    """theta / sin(theta) - 1 of the angle between unit vectors."""
+    chord = _minus(b, a)
+    mean = a[0] + b[0], a[1] + b[1], a[2] + b[2]
+    return _bends(0.25 * _dot(chord, chord), 0.25 * _dot(mean, mean))
+
+
+@numba.njit(**PLAIN)
+def add_near_shares(x, positions, first_row, faces, f, view, weights):  # type: ignore[no-untyped-def]
+    """Add one face's shares by the robust formula; returns the lanes of grazing views, which get none."""
+    i, j, k = at(faces, 6 * f), at(faces, 6 * f + 1), at(faces, 6 * f + 2)
+    over_a, over_b = load(view, 2 * LANES * i), load(view, 2 * LANES * j)
+    over_c = load(view, 2 * LANES * k)
+    a, b = _unit(x, positions, first_row + i, over_a), _unit(x, positions, first_row + j, over_b)
+    c = _unit(x, positions, first_row + k, over_c)
+    # Cross products through the chords, which keep their digits on small far faces.
+    ab, bc, ca = _cross(a, _minus(b, a)), _cross(b, _minus(c, b)), _cross(c, _minus(a, c))
+    twice = _cross(_minus(b, a), _minus(c, a))
+    g_ab, g_bc, g_ca = _bend_between(a, b), _bend_between(b, c), _bend_between(c, a)
+    r = (
+        twice[0] + g_ab * ab[0] + g_bc * bc[0] + g_ca * ca[0],
+        twice[1] + g_ab * ab[1] + g_bc * bc[1] + g_ca * ca[1],
+        twice[2] + g_ab * ab[2] + g_bc * bc[2] + g_ca * ca[2],
+    )
+    det = _dot(a, twice)
+    flat = det * det <= GRAZING * GRAZING * _dot(twice, twice)
+    scale = choose(flat, 0.0, 0.5 / det)
+    _add(weights, LANES * i, scale * over_a * _dot(r, bc))
+    _add(weights, LANES * j, scale * over_b * _dot(r, ca))
+    _add(weights, LANES * k, scale * over_c * _dot(r, ab))
+    return bits(flat)
+
+
+@numba.njit(**PLAIN)
+def clear(weights, count):  # type: ignore[no-untyped-def]
+    """Set count vectors to 0."""
+    for place in range(0, count * LANES, LANES):
+        store(weights, place, splat(0.0))
+
+
+@numba.njit(**PLAIN)
+def sum_of(weights, count):  # type: ignore[no-untyped-def]
+    """Sum of count vectors."""
+    result = splat(0.0)
+    for place in range(0, count * LANES, LANES):
+        result = result + load(weights, place)
     return result

@@ -6,41 +6,50 @@ import math
 
 import numba
 
-from idviewer.core._kernels.faces import FAST, TINY, bend
+from idviewer.core._kernels.faces import OPTIONS, PLAIN, TINY, near_bend
 
 
-@numba.njit(inline="always", fastmath=FAST, error_model="numpy")
+@numba.njit(inline="always", **OPTIONS)
 def _cross(a, b):  # type: ignore[no-untyped-def]
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@numba.njit(inline="always", fastmath=FAST, error_model="numpy")
+@numba.njit(inline="always", **OPTIONS)
 def _dot(a, b):  # type: ignore[no-untyped-def]
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@numba.njit(inline="always", fastmath=FAST, error_model="numpy")
+@numba.njit(inline="always", **OPTIONS)
 def _minus(a, b):  # type: ignore[no-untyped-def]
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@numba.njit(inline="always", fastmath=FAST, error_model="numpy")
+@numba.njit(inline="always", **OPTIONS)
 def _along(a, t, b):  # type: ignore[no-untyped-def]
     """a + t b."""
     return a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]
 
 
-@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+@numba.njit(**PLAIN)
+def _bend(s, c):  # type: ignore[no-untyped-def]
+    """theta / sin(theta) - 1 from sin^2 and cos^2 of theta / 2."""
+    if s <= c:
+        return near_bend(s)
+    # Past a right angle: theta = pi - (the angle of the swapped halves).
+    return 0.5 * math.pi / math.sqrt(s * c + TINY) - near_bend(c) - 2.0
+
+
+@numba.njit(**PLAIN)
 def _edge_vector(a, b):  # type: ignore[no-untyped-def]
     """theta / sin(theta) * (u_a x u_b) of two directions given by vectors of any length, halved."""
     a = _along((0.0, 0.0, 0.0), 1.0 / math.sqrt(_dot(a, a) + TINY), a)
     b = _along((0.0, 0.0, 0.0), 1.0 / math.sqrt(_dot(b, b) + TINY), b)
     chord, twice_mean = _minus(b, a), _along(a, 1.0, b)
-    ratio = 1.0 + bend(0.25 * _dot(chord, chord), 0.25 * _dot(twice_mean, twice_mean))
+    ratio = 1.0 + _bend(0.25 * _dot(chord, chord), 0.25 * _dot(twice_mean, twice_mean))
     return _along((0.0, 0.0, 0.0), 0.5 * ratio, _cross(a, chord))
 
 
-@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+@numba.njit(**PLAIN)
 def _edge_flux(p, q, normal, h):  # type: ignore[no-untyped-def]
     """An edge's term in the closed form of W = integral of h / rho^4 over the face (docs/mean_value.md).
 
@@ -66,7 +75,7 @@ def _edge_flux(p, q, normal, h):  # type: ignore[no-untyped-def]
     return 0.5 * flux if signed >= 0.0 else -0.5 * flux
 
 
-@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+@numba.njit(**PLAIN)
 def _touches_edge(p, q, h, tolerance):  # type: ignore[no-untyped-def]
     """Whether the point at height h over the origin lies on the segment p q, within tolerance."""
     edge = _minus(q, p)
@@ -75,7 +84,7 @@ def _touches_edge(p, q, h, tolerance):  # type: ignore[no-untyped-def]
     return _dot(foot, foot) + h * h <= tolerance * tolerance
 
 
-@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+@numba.njit(**PLAIN)
 def grazing_shares(x, a, b, c, tolerance):  # type: ignore[no-untyped-def]
     """A face's shares where x lies in its plane or nearly so, and whether x lies on the face itself.
 
@@ -115,6 +124,6 @@ def grazing_shares(x, a, b, c, tolerance):  # type: ignore[no-untyped-def]
     return w_a, w_b, w_c, False
 
 
-@numba.njit(fastmath=FAST, error_model="numpy", cache=True)
+@numba.njit(**PLAIN)
 def row(array, i):  # type: ignore[no-untyped-def]
     return array[i, 0], array[i, 1], array[i, 2]

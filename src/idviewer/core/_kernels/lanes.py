@@ -12,14 +12,14 @@ array's start, whatever its shape, and is not checked.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import llvmlite.ir as ir
-from numba import types
+from numba import extending, types
 from numba.core import cgutils
 from numba.core.typing.templates import signature
-from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+from numba.extending import lower_builtin, models, register_model, type_callable
 
 LANES = 16
 """Numbers in a vector: two of the widest registers of float64, one of float32."""
@@ -72,6 +72,12 @@ def _spread(builder: Any, value: Any) -> Any:
     return builder.shuffle_vector(first, nothing, zeros)
 
 
+def _indices(lanes: Iterable[int]) -> Any:
+    """Lanes for LLVM's shuffles; those of the second operand count on from LANES."""
+    chosen = list(lanes)
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(chosen)), chosen)
+
+
 def _common(*given: Any) -> Any:
     """The vectors' type if the rest are numbers; numba takes None for "no such operation"."""
     vectors = {one for one in given if isinstance(one, LanesType)}
@@ -114,6 +120,11 @@ _define(operator.lt, lambda builder, a, b: builder.fcmp_ordered("<", a, b), MASK
 _define(operator.le, lambda builder, a, b: builder.fcmp_ordered("<=", a, b), MASK)
 _define(operator.gt, lambda builder, a, b: builder.fcmp_ordered(">", a, b), MASK)
 _define(operator.ge, lambda builder, a, b: builder.fcmp_ordered(">=", a, b), MASK)
+
+
+def intrinsic(function: Callable[..., Any]) -> Any:
+    """As numba's, whose type lets no kernel call the result."""
+    return extending.intrinsic(function)
 
 
 def _pointer(context: Any, builder: Any, sig: Any, values: Any) -> Any:
@@ -231,17 +242,14 @@ def total(typingctx, a):  # type: ignore[no-untyped-def]
 
     def codegen(context, builder, sig, values):  # type: ignore[no-untyped-def]
         (rest,), width = values, LANES
-        index = ir.IntType(32)
         while width > 1:
             width //= 2
             halves = [
-                builder.shuffle_vector(
-                    rest, rest, ir.Constant(ir.VectorType(index, width), list(range(start, start + width)))
-                )
+                builder.shuffle_vector(rest, rest, _indices(range(start, start + width)))
                 for start in (0, width)
             ]
             rest = builder.fadd(*halves)
-        return builder.extract_element(rest, ir.Constant(index, 0))
+        return builder.extract_element(rest, ir.Constant(ir.IntType(32), 0))
 
     return (a.dtype(a), codegen) if isinstance(a, LanesType) else None
 
@@ -266,3 +274,26 @@ def any_of(typingctx, mask):  # type: ignore[no-untyped-def]
         return builder.icmp_unsigned("!=", packed, ir.Constant(packed.type, 0))
 
     return (types.boolean(MASK), codegen) if mask == MASK else None
+
+
+@intrinsic
+def transpose(typingctx, array, offset):  # type: ignore[no-untyped-def]
+    """Turn rows into columns, in place, of the LANES vectors that begin at offset."""
+    lanes = _lanes_of(array)
+
+    def codegen(context, builder, sig, values):  # type: ignore[no-untyped-def]
+        first = builder.bitcast(_pointer(context, builder, sig, values), _vector(lanes).as_pointer())
+        places = [builder.gep(first, [ir.Constant(ir.IntType(64), i)]) for i in range(LANES)]
+        rows = [builder.load(place, align=_BYTES[lanes.dtype]) for place in places]
+        for step in (8, 4, 2, 1):
+            keep = _indices(i if not i & step else LANES + i - step for i in range(LANES))
+            swap = _indices(i + step if not i & step else LANES + i for i in range(LANES))
+            for i in (i for i in range(LANES) if not i & step):
+                pair = rows[i], rows[i + step]
+                rows[i] = builder.shuffle_vector(*pair, keep)
+                rows[i + step] = builder.shuffle_vector(*pair, swap)
+        for row, place in zip(rows, places, strict=True):
+            builder.store(row, place, align=_BYTES[lanes.dtype])
+        return context.get_dummy_value()
+
+    return (types.none(array, types.intp), codegen) if lanes else None
