@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-SLIGHT_LIMIT = 1.0 / 32.0
-"""Up to this s a short polynomial does: angles below 20 degrees."""
+SLIGHT_LIMIT = 1.0 / 16.0
+"""Up to this s a short polynomial does: angles below 29 degrees."""
 
-DISTANT_LIMIT = 1.0 / 512.0
-"""Up to this s a still shorter one does: angles below 5 degrees."""
+DISTANT_LIMIT = 1.0 / 128.0
+"""Up to this s a still shorter one does: angles below 10 degrees."""
 
 
 def fit_angle_ratio(highest: float, degree: int) -> tuple[float, ...]:
@@ -29,8 +29,8 @@ def fit_angle_ratio(highest: float, degree: int) -> tuple[float, ...]:
 NEAR = fit_angle_ratio(0.5, 20)
 """On [0, 1/2], with an error of 5e-16."""
 
-SLIGHT = fit_angle_ratio(SLIGHT_LIMIT, 6)
-"""On [0, SLIGHT_LIMIT], with an error of 5e-17 in theta / sin(theta)."""
+SLIGHT = fit_angle_ratio(SLIGHT_LIMIT, 8)
+"""On [0, SLIGHT_LIMIT], with an error of 1e-17 in theta / sin(theta)."""
 
-DISTANT = fit_angle_ratio(DISTANT_LIMIT, 3)
-"""On [0, DISTANT_LIMIT], with an error of 8e-17."""
+DISTANT = fit_angle_ratio(DISTANT_LIMIT, 4)
+"""On [0, DISTANT_LIMIT], likewise."""

@@ -29,7 +29,7 @@ def compile_steps() -> Generator[float, None, None]:
             landing,
             np.zeros((1, 1, LANES)),
             weights,
-            (np.zeros((4, LANES)), np.zeros((1, 1, LANES, LANES))),
+            (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, 4))),
         ),
     ]

@@ -14,6 +14,8 @@ from idviewer.core.mesh import Mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Landed = tuple[int, Ints, Floats]
+"""A point on the surface: its place among the packed ones, three vertices and their shares."""
 
 FACE_VISITS = 2e6
 """Work between two checkpoints, in faces times points: 5 to 10 ms on two cores."""
@@ -63,13 +65,12 @@ class MeanValueCoordinates:
         for chosen, packed in self._batches(points):
             places = np.full((len(packed), _kernels.LANES), -1)
             places.ravel()[: len(chosen)] = chosen
-            product = np.empty((0, 0)), np.empty((len(packed), 1, 0, 0))
+            product = np.empty((0, 0, 0)), np.empty((len(packed), 1, 0, 0))
             landing, _ = self._weigh(packed, self._kept, product, (places, result))
-            for block, lane in np.argwhere(landing.touched):
-                row, rows = places[block, lane], landing.rows[block, lane]
-                if row >= 0:
-                    result[row] = 0.0
-                    np.add.at(result[row], self._surface.vertices[rows], landing.shares[block, lane])
+            for point, vertices, shares in landing:
+                if point < len(chosen):
+                    result[chosen[point]] = 0.0
+                    np.add.at(result[chosen[point]], vertices, shares)
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
@@ -83,58 +84,64 @@ class MeanValueCoordinates:
             (p, k), NaN for points outside the mesh.
         """
         points = as_points(points)
-        by_row = self._by_row(values)
+        columns = self._columns(values)
         result = np.empty((len(points), values.shape[1]))
         done = 0
         for chosen, packed in self._batches(points):
-            carried = self._interpolated(packed, len(chosen), by_row)
+            landing, carried = self._interpolated(packed, len(chosen), columns)
             result[chosen] = carried[:, : values.shape[1]]
+            for point, vertices, shares in landing:
+                if point < len(chosen):
+                    result[chosen[point]] = shares @ values[vertices]
             done += len(chosen)
             yield done / len(points)
         return result
 
-    def _interpolated(self, packed: Floats, count: int, by_row: Floats) -> Floats:
-        """Values at the surface's rows, carried to the first count packed points (blocks, 3, lanes)."""
+    def _interpolated(self, packed: Floats, count: int, columns: Floats) -> tuple[list[Landed], Floats]:
+        """Values carried to packed points: which are on the surface, and (count, k) that hold for the others.
+
+        Args:
+            packed: (blocks, 3, lanes).
+            count: of points; the last block repeats some.
+            columns: see `_columns`.
+        """
         blocks, lanes = len(packed), min(_kernels.LANES, 4 * -(-count // 4))
         parts = max(1, self._workers // blocks)
-        sums = np.zeros((blocks, parts, lanes, by_row.shape[1]))
+        sums = np.zeros((blocks, parts, lanes, len(columns) * _kernels.LANES))
         kept = np.empty((self._workers, self._scratch.seen.shape[1], _kernels.LANES))
         nowhere = np.empty((0, 0), dtype=np.int64), np.empty((0, 0))
-        landing, totals = self._weigh(packed, kept, (by_row, sums), nowhere)
+        landing, totals = self._weigh(packed, kept, (columns, sums), nowhere)
         total = totals.sum(axis=1).ravel()[:count]
         total[~(total > 0.0)] = np.nan  # outside: docs/mean_value.md
-        result = sums.sum(axis=1).reshape(blocks * lanes, -1)[:count] / total[:, None]
-        for unit, lane in np.argwhere(landing.touched):
-            point, rows = unit // parts * _kernels.LANES + lane, landing.rows[unit, lane]
-            if point < count:
-                result[point] = landing.shares[unit, lane] @ by_row[rows]
-        return result
+        return landing, sums.sum(axis=1).reshape(blocks * lanes, -1)[:count] / total[:, None]
 
     def _weigh(
-        self,
-        packed: Floats,
-        kept: Floats,
-        product: tuple[Floats, Floats],
-        weights: tuple[Ints, Floats],
-    ) -> tuple[_kernels.Landing, Floats]:
-        """Run the kernel; which points are on the surface, and the weights' sums (blocks, parts, lanes)."""
+        self, packed: Floats, kept: Floats, product: tuple[Floats, Floats], weights: tuple[Ints, Floats]
+    ) -> tuple[list[Landed], Floats]:
+        """Run the kernel; the points on the surface, and the weights' sums (blocks, parts, lanes)."""
         blocks, parts = product[1].shape[:2]
         landing, totals = _kernels.no_landing(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
         _kernels.weigh(
             packed, self._surface, self._tolerance, self._scratch, landing, totals, kept, product, weights
         )
-        return landing, totals
+        landed = []
+        for unit, lane in np.argwhere(landing.touched).tolist():
+            vertices = self._surface.vertices[landing.rows[unit, lane]]
+            landed.append((unit // parts * _kernels.LANES + lane, vertices, landing.shares[unit, lane]))
+        return landed, totals
 
-    def _by_row(self, values: Floats) -> Floats:
-        """The values at the surface's rows, padded to whole vectors; kept if they cannot change."""
+    def _columns(self, values: Floats) -> Floats:
+        """The values at the surface's rows as (k / lanes, r, lanes), padded; kept if they cannot change."""
         if self._arranged is not None and self._arranged[0] is values:
             return self._arranged[1]
         count, lanes = values.shape[1], _kernels.LANES
-        by_row = np.zeros((len(self._surface.vertices), -(-count // lanes) * lanes))
-        by_row[:, :count] = values[self._surface.vertices]
+        columns = np.zeros((-(-count // lanes), len(self._surface.vertices), lanes))
+        for start in range(0, count, lanes):
+            some = values[self._surface.vertices, start : start + lanes]
+            columns[start // lanes, :, : some.shape[1]] = some
         if not values.flags.writeable:
-            self._arranged = (values, by_row)
-        return by_row
+            self._arranged = (values, columns)
+        return columns
 
     @cached_property
     def _workers(self) -> int:

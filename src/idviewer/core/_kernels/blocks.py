@@ -33,19 +33,19 @@ def _write_weights(kept, totals, surface, places, tile, result):  # type: ignore
 
 @numba.njit(**PLAIN)
 def _add_product(weights, values, first, end, sums):  # type: ignore[no-untyped-def]
-    """sums (lanes, k) += weights[: end - first, :lanes].T @ values[first:end].
+    """sums (lanes, k) += weights[: end - first, :lanes].T @ values, from its rows first to end.
 
     Four points and LANES columns at a time, which stay in registers. The matrices are small: a BLAS costs
     more here in calls, and its threads would fight with ours.
     """
-    width = values.shape[1]
+    rows, width = values.shape[1], values.shape[0] * LANES
     for place in range(0, sums.size // 4, LANES):
         lane, column = place // width * 4, place % width
         spot = lane * width + column
         a, b = load(sums, spot), load(sums, spot + width)
         c, d = load(sums, spot + 2 * width), load(sums, spot + 3 * width)
         for row in range(first, end):
-            value = load(values, row * width + column)
+            value = load(values, (column // LANES * rows + row) * LANES)
             i = (row - first) * LANES + lane
             a, b = a + at(weights, i) * value, b + at(weights, i + 1) * value
             c, d = c + at(weights, i + 2) * value, d + at(weights, i + 3) * value
@@ -83,9 +83,9 @@ def weigh(points, surface, tolerance, scratch, landing, totals, kept, product, w
         landing: output, see `no_landing`; of the blocks times parts.
         totals: (blocks, parts, LANES) output; sums of the weights, not positive for points outside.
         kept: (workers, rows, LANES) scratch for the weights of a patch, of the surface if they are written.
-        product: values (r, k) at the surface's rows, k a multiple of LANES, and sums (blocks, parts, lanes,
-            k), 0 at first, output; values times weights that are not normalised. Only the first lanes are
-            multiplied, a multiple of 4.
+        product: values (k / LANES, r, LANES) at the surface's rows, and sums (blocks, parts, lanes, k), 0 at
+            first, output; values times weights that are not normalised. Only the first lanes are multiplied,
+            a multiple of 4.
         weights: places (blocks, LANES), the row of the result for each point, -1 for none, and result (p, n),
             output; normalised rows, NaN for points outside. There must be one part.
     """

@@ -53,6 +53,13 @@ def near_bend(small):  # type: ignore[no-untyped-def]
     return q * small
 
 
+@numba.njit(inline="always", **PLAIN)
+def _slight_bend(s):  # type: ignore[no-untyped-def]
+    """theta / sin(theta) - 1 from s = 4 sin^2(theta / 2) up to 4 SLIGHT_LIMIT."""
+    q = (((_S[8] * s + _S[7]) * s + _S[6]) * s + _S[5]) * s + _S[4]
+    return ((((q * s + _S[3]) * s + _S[2]) * s + _S[1]) * s + _S[0]) * s
+
+
 @numba.njit(**PLAIN)
 def _bends(s, c):  # type: ignore[no-untyped-def]
     """theta / sin(theta) - 1 from sin^2 and cos^2 of theta / 2."""
@@ -88,7 +95,7 @@ def find_distant_kappas(view, ends, squares, start, end, kappas):  # type: ignor
     """kappa = theta / sin(theta) / (d_j d_k) of edges, all of which are seen under distant angles."""
     for e in range(start, end):
         product, s = _edge(view, ends, squares, e)
-        bend = (((_D[3] * s + _D[2]) * s + _D[1]) * s + _D[0]) * s
+        bend = ((((_D[4] * s + _D[3]) * s + _D[2]) * s + _D[1]) * s + _D[0]) * s
         store(kappas, (e - start) * LANES, product * bend + product)
 
 
@@ -98,9 +105,7 @@ def find_kappas(view, ends, squares, start, end, kappas, near):  # type: ignore[
     for e in range(start, end):
         product, s = _edge(view, ends, squares, e)
         near[e - start] = any_of(s > 4.0 * SLIGHT_LIMIT)
-        bend = ((_S[6] * s + _S[5]) * s + _S[4]) * s + _S[3]
-        bend = (((bend * s + _S[2]) * s + _S[1]) * s + _S[0]) * s
-        store(kappas, (e - start) * LANES, product * bend + product)
+        store(kappas, (e - start) * LANES, product * _slight_bend(s) + product)
 
 
 @numba.njit(inline="always", **OPTIONS)
@@ -183,14 +188,12 @@ def _bend_between(a, b):  # type: ignore[no-untyped-def]
     return _bends(0.25 * _dot(chord, chord), 0.25 * _dot(mean, mean))
 
 
-@numba.njit(**PLAIN)
-def add_near_shares(x, positions, first_row, faces, f, view, weights):  # type: ignore[no-untyped-def]
-    """Add one face's shares by the robust formula; returns the lanes of grazing views, which get none."""
-    i, j, k = at(faces, 6 * f), at(faces, 6 * f + 1), at(faces, 6 * f + 2)
-    over_a, over_b = load(view, 2 * LANES * i), load(view, 2 * LANES * j)
-    over_c = load(view, 2 * LANES * k)
-    a, b = _unit(x, positions, first_row + i, over_a), _unit(x, positions, first_row + j, over_b)
-    c = _unit(x, positions, first_row + k, over_c)
+@numba.njit(inline="always", **PLAIN)
+def near_shares(a, b, c):  # type: ignore[no-untyped-def]
+    """Shares of a face's corners times their distances by the robust formula, and which views are grazing.
+
+    a, b, c: unit vectors from x to the corners. Grazing views get 0.
+    """
     # Cross products through the chords, which keep their digits on small far faces.
     ab, bc, ca = _cross(a, _minus(b, a)), _cross(b, _minus(c, b)), _cross(c, _minus(a, c))
     twice = _cross(_minus(b, a), _minus(c, a))
@@ -203,9 +206,21 @@ def add_near_shares(x, positions, first_row, faces, f, view, weights):  # type: 
     det = _dot(a, twice)
     flat = det * det <= GRAZING * GRAZING * _dot(twice, twice)
     scale = choose(flat, 0.0, 0.5 / det)
-    _add(weights, LANES * i, scale * over_a * _dot(r, bc))
-    _add(weights, LANES * j, scale * over_b * _dot(r, ca))
-    _add(weights, LANES * k, scale * over_c * _dot(r, ab))
+    return scale * _dot(r, bc), scale * _dot(r, ca), scale * _dot(r, ab), flat
+
+
+@numba.njit(**PLAIN)
+def add_near_shares(x, positions, first_row, faces, f, view, weights):  # type: ignore[no-untyped-def]
+    """Add one face's shares by the robust formula; returns the lanes of grazing views, which get none."""
+    i, j, k = at(faces, 6 * f), at(faces, 6 * f + 1), at(faces, 6 * f + 2)
+    over_a, over_b = load(view, 2 * LANES * i), load(view, 2 * LANES * j)
+    over_c = load(view, 2 * LANES * k)
+    a, b = _unit(x, positions, first_row + i, over_a), _unit(x, positions, first_row + j, over_b)
+    c = _unit(x, positions, first_row + k, over_c)
+    w_a, w_b, w_c, flat = near_shares(a, b, c)
+    _add(weights, LANES * i, w_a * over_a)
+    _add(weights, LANES * j, w_b * over_b)
+    _add(weights, LANES * k, w_c * over_c)
     return bits(flat)
 
 
