@@ -10,14 +10,18 @@ from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
 from idviewer.core._kernels.ears import cut_ears
 from idviewer.core._kernels.surface import patched
+from idviewer.core.mean_value import MeanValueCoordinates
+from idviewer.core.mesh import Mesh
+from idviewer.core.steps import finish
 
 
 def compile_steps() -> Generator[float, None, None]:
     """Compile every kernel, or read it from numba's cache; yields the share done between them."""
-    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    surface = patched(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
-    points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, 4, LANES))
+    spindle = _spindle(LANES)
+    corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
+    points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
     scratch, landing = kernels.scratch_for(surface, 1), kernels.no_landing(1)
+    approximation = MeanValueCoordinates(spindle).approximation(corners, np.ones(3))
     calls: list[Callable[[], object]] = [
         lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),
@@ -30,9 +34,22 @@ def compile_steps() -> Generator[float, None, None]:
             np.zeros((1, 1, LANES)),
             weights,
             (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),
-            (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, 4))),
+            (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
+        lambda: finish(approximation.prepare_steps(1e-3)),
+        lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]
     for done, call in enumerate(calls):
         call()
         yield (done + 1) / len(calls)
+
+
+def _spindle(sides: int) -> Mesh:
+    """Two cones of so many sides: more faces than a leaf of a tree holds."""
+    angles = 2.0 * np.pi * np.arange(sides) / sides
+    ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(sides)], axis=1)
+    i, j = np.arange(sides), np.roll(np.arange(sides), -1)
+    upper = np.stack([i, j, np.full(sides, sides)], axis=1)
+    lower = np.stack([j, i, np.full(sides, sides + 1)], axis=1)
+    apexes = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]
+    return Mesh(np.concatenate([ring, apexes]), np.concatenate([upper, lower]))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from copy import copy
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.laplacian import voronoi_areas
@@ -33,8 +35,8 @@ class InteriorDistance:
         mesh: n vertices.
         distance: the boundary distance, the diffusion distance by default.
         coordinates: the name of the barycentric coordinates.
-        rtol: largest error allowed, as a share of the largest boundary distance. The evaluation is
-            exact, which satisfies every rtol.
+        rtol: largest error of distances between embedded points, as a share of the largest boundary
+            distance; 0 is exact. See docs/cluster_tree.md.
         spectrum: eigenpairs computed before, to save computing them again.
 
     Raises:
@@ -72,6 +74,7 @@ class InteriorDistance:
         self.basis.setflags(write=False)
         masses = voronoi_areas(mesh) if spectrum is None else spectrum.masses
         self._mean = (masses @ self.basis) / masses.sum()
+        self._approximations: dict[bytes, Approximation] = {}
         self.scale = self.distance_kind.scale(spectrum)
         self.centre = self._mean * self.scale
 
@@ -96,6 +99,7 @@ class InteriorDistance:
         other.distance_kind = distance
         other.scale = distance.scale(self._spectrum)
         other.centre = self._mean * other.scale
+        other.__dict__.pop("_own_weights", None)
         return other
 
     def shares_basis(self, distance: Distance) -> bool:
@@ -133,9 +137,46 @@ class InteriorDistance:
         """
         return finish(self.sample_steps(points)) * self.scale
 
-    def sample_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
-        """The basis at points, (p, k), before it is scaled; yields the share done every few milliseconds."""
-        return self.coordinates.interpolate_steps(points, self.basis)
+    def sample_steps(
+        self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
+    ) -> Generator[float, None, Floats]:
+        """The basis at points before it is scaled; yields the share done every few milliseconds.
+
+        Args:
+            points: (p, 3).
+            rtol: as for the class; the solver's own by default.
+            weights: from `error_weights`; the solver's own distance by default.
+
+        Returns:
+            (p, k), NaN for points outside the mesh.
+        """
+        points, rtol = as_points(points), self.rtol if rtol is None else rtol
+        if rtol == 0.0:
+            return (yield from self.coordinates.interpolate_steps(points, self.basis))
+        # Two points make a distance, and each may be wrong.
+        steps = self._approximation(weights).interpolate_steps(points, 0.5 * rtol)
+        return (yield from steps)
+
+    def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:
+        """What an error of each column of the basis counts, (k,), in largest boundary distances.
+
+        Args:
+            distances: others with the same basis that samples are to serve as well.
+        """
+        scales = [self.scale, *(distance.scale(self._spectrum) for distance in distances)]
+        return np.max([np.abs(scale) / extent(self.basis * scale) for scale in scales], axis=0)
+
+    def _approximation(self, weights: Floats | None) -> Approximation:
+        weights = self._own_weights if weights is None else weights
+        key = weights.tobytes()
+        if key not in self._approximations:
+            full = np.broadcast_to(weights, self.basis.shape[1:])
+            self._approximations[key] = self.coordinates.approximation(self.basis, full)
+        return self._approximations[key]
+
+    @cached_property
+    def _own_weights(self) -> Floats:
+        return self.error_weights()
 
     def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
         """Interior distance by eq. 1, |p* - q*|.
@@ -204,6 +245,19 @@ class InteriorDistance:
     def barycentroid_steps(self) -> Generator[float | None, None, Barycentroid]:
         """`barycentroid` as a generator that yields every few milliseconds."""
         return barycentroid_steps(self.mesh, self.potential_steps)
+
+
+def extent(points: Floats) -> float:
+    """Nearly the largest distance between two of the points (p, k), never more.
+
+    >>> extent(np.array([[0.0], [1.0], [3.0]]))
+    3.0
+    """
+    farthest = points.mean(axis=0)
+    for _ in range(3):
+        distances = np.linalg.norm(points - farthest, axis=1)
+        farthest = points[np.argmax(distances)]
+    return float(distances.max())
 
 
 def interior_distance(mesh: Mesh, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core import _kernels
 from idviewer.core._kernels.surface import curve_order, patched
+from idviewer.core.approximation import Approximation
 from idviewer.core.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -31,6 +32,9 @@ class MeanValueCoordinates:
     Args:
         mesh: n vertices.
 
+    Attributes:
+        on_surface: how near the surface a point counts as lying on it, in diagonals of the bounding box.
+
     >>> from idviewer.core import Mesh
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -42,14 +46,15 @@ class MeanValueCoordinates:
     title = "Mean value coordinates"
 
     def __init__(self, mesh: Mesh) -> None:
+        self._mesh = mesh
         self._centre = mesh.bounds.mean(axis=0)
         self._scale = 1.0 / mesh.diagonal
-        self._surface = patched(self._normalised(mesh.vertices), mesh.faces)
+        self._surface = patched(*self.normalised_mesh)
         self._vertex_count = len(mesh.vertices)
         self._arranged: tuple[Floats, Floats] | None = None
         # Rounding of the input coordinates, which is large on a mesh far from the origin.
         reach = float(np.abs(mesh.bounds).max()) * self._scale
-        self._tolerance = 64.0 * float(np.finfo(float).eps) * (1.0 + reach)
+        self.on_surface = 64.0 * float(np.finfo(float).eps) * (1.0 + reach)
 
     def weights(self, points: ArrayLike) -> Floats:
         """Coordinates of points with respect to every vertex.
@@ -122,7 +127,7 @@ class MeanValueCoordinates:
         blocks, parts = product[1].shape[:2]
         landing, totals = _kernels.no_landing(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
         _kernels.weigh(
-            packed, self._surface, self._tolerance, self._scratch, landing, totals, kept, product, weights
+            packed, self._surface, self.on_surface, self._scratch, landing, totals, kept, product, weights
         )
         landed = []
         for unit, lane in np.argwhere(landing.touched).tolist():
@@ -163,7 +168,7 @@ class MeanValueCoordinates:
         lanes, threads = _kernels.LANES, _kernels.thread_count()
         rounds = max(1, round(FACE_VISITS / (len(self._surface.faces) * lanes * threads)))
         at_once = rounds * lanes * threads
-        normalised = self._normalised(points)
+        normalised = self.normalised(points)
         order = curve_order(np.where(np.isfinite(normalised), normalised, 0.0).clip(-1.0, 1.0))
         for start in range(0, len(points), at_once):
             chosen = order[start : start + at_once]
@@ -172,8 +177,18 @@ class MeanValueCoordinates:
             packed = normalised[padded].reshape(blocks, lanes, 3).transpose(0, 2, 1)
             yield chosen, np.ascontiguousarray(packed)
 
-    def _normalised(self, points: Floats) -> Floats:
+    @property
+    def normalised_mesh(self) -> tuple[Floats, Ints]:
+        """Positions (n, 3) as the kernels want them, and the faces (m, 3)."""
+        return self.normalised(self._mesh.vertices), self._mesh.faces
+
+    def normalised(self, points: Floats) -> Floats:
+        """Points (p, 3) in units of the bounding box's diagonal, about its centre."""
         return (points - self._centre) * self._scale
+
+    def approximation(self, values: Floats, weights: Floats) -> Approximation:
+        """Values (n, k) ready to be carried inside within a tolerance; see `Approximation`."""
+        return Approximation(self, values, weights)
 
 
 def mean_value_weights(mesh: Mesh, points: ArrayLike) -> Floats:

@@ -63,6 +63,8 @@ def _slight_bend(s):  # type: ignore[no-untyped-def]
 @numba.njit(**PLAIN)
 def _bends(s, c):  # type: ignore[no-untyped-def]
     """theta / sin(theta) - 1 from sin^2 and cos^2 of theta / 2."""
+    if not any_of(s > SLIGHT_LIMIT):
+        return _slight_bend(4.0 * s)
     near = near_bend(smaller(s, c))
     # Past a right angle: theta = pi - (the angle of the swapped halves).
     return choose(s <= c, near, 0.5 * math.pi / root(s * c + TINY) - near - 2.0)

@@ -1,0 +1,97 @@
+"""Mean value interpolation within a tolerance that it checks itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.cluster_tree import ClusterTree
+
+if TYPE_CHECKING:
+    from idviewer.core.mean_value import MeanValueCoordinates
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+FINEST = 5e-6
+"""For smaller tolerances the exact loop over all faces is about as quick, and single precision ends."""
+
+STRICTER = 0.1
+"""Points that fail the check are done again with so much of the tolerance, then exactly."""
+
+NEGLIGIBLE = 0.2
+"""Share of the tolerance up to which columns that count little are left out, as zeros."""
+
+
+class Approximation:
+    """Values given at the vertices, carried to inner points within a tolerance.
+
+    Far faces act through the moments of clusters (docs/cluster_tree.md). The positions are carried along
+    with the values: how well they come back is the check of each point.
+
+    Args:
+        coordinates: of the mesh.
+        values: (n, k).
+        weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
+    """
+
+    def __init__(self, coordinates: MeanValueCoordinates, values: Floats, weights: Floats) -> None:
+        self._coordinates, self._values, self._weights = coordinates, values, weights
+        self._trees: dict[int, tuple[ClusterTree, Ints]] = {}
+
+    def interpolate_steps(self, points: Floats, tolerance: float) -> Generator[float, None, Floats]:
+        """Values at points; yields the share done every few milliseconds.
+
+        Args:
+            points: (p, 3).
+            tolerance: error allowed.
+
+        Returns:
+            (p, k), NaN for points outside the mesh.
+        """
+        if tolerance < FINEST:
+            return (yield from self._coordinates.interpolate_steps(points, self._values))
+        tree, columns = yield from self.prepare_steps(tolerance)
+        result = np.zeros((len(points), self._values.shape[1]))
+        places = self._coordinates.normalised(points)
+        # All that is farther out than the corners of the bounding box is outside.
+        left = np.flatnonzero(np.abs(places).max(axis=1, initial=0.0) <= 0.5)
+        result[np.setdiff1d(np.arange(len(points)), left)] = np.nan
+        for stricter in (1.0, STRICTER):
+            values, doubtful = yield from tree.interpolate_steps(
+                places[left], stricter * tolerance, tolerance
+            )
+            result[np.ix_(left, columns)] = values
+            result[left[np.isnan(values).any(axis=1)]] = np.nan
+            left = left[doubtful]
+            if len(left) == 0:
+                return result
+        result[left] = yield from self._coordinates.interpolate_steps(points[left], self._values)
+        return result
+
+    def prepare_steps(self, tolerance: float) -> Generator[float, None, tuple[ClusterTree, Ints]]:
+        """The tree for a tolerance, and the columns it holds; built where none serves, one a power of ten."""
+        power = math.floor(math.log10(tolerance) + 1e-9)
+        if power not in self._trees:
+            columns = self._columns_that_count(10.0**power)
+            tree = yield from ClusterTree.build_steps(
+                self._coordinates.normalised_mesh,
+                self._values[:, columns],
+                self._weights[columns],
+                10.0**power,
+                self._coordinates.on_surface,
+            )
+            self._trees[power] = tree, columns
+        return self._trees[power]
+
+    def _columns_that_count(self, tolerance: float) -> Ints:
+        """All but the columns that together stay below a part of the tolerance."""
+        largest = np.abs(self._weights) * np.abs(self._values).max(axis=0, initial=0.0)
+        order = np.argsort(largest, kind="stable")
+        dropped = np.sqrt(np.cumsum(largest[order] ** 2)) <= NEGLIGIBLE * tolerance
+        return np.sort(order[~dropped])
