@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from functools import cached_property
 
@@ -67,7 +68,7 @@ class MeanValueCoordinates:
         """
         points = as_points(points)
         result = np.empty((len(points), self._vertex_count))
-        for chosen, packed in self._batches(points):
+        for chosen, packed in self._batches(points, len(points)):
             places = np.full((len(packed), _kernels.LANES), -1)
             places.ravel()[: len(chosen)] = chosen
             product = np.empty((0, 0, 0)), np.empty((len(packed), 1, 0, 0))
@@ -92,7 +93,7 @@ class MeanValueCoordinates:
         columns = self._columns(values)
         result = np.empty((len(points), values.shape[1]))
         done = 0
-        for chosen, packed in self._batches(points):
+        for chosen, packed in self._batches(points, FACE_VISITS / len(self._surface.faces)):
             landing, carried = self._interpolated(packed, len(chosen), columns)
             result[chosen] = carried[:, : values.shape[1]]
             for point, vertices, shares in landing:
@@ -160,14 +161,13 @@ class MeanValueCoordinates:
     def _kept(self) -> Floats:
         return np.empty((self._workers, len(self._surface.vertices), _kernels.LANES))
 
-    def _batches(self, points: Floats) -> Generator[tuple[Ints, Floats], None, None]:
-        """Indices of some points that lie together, and the points as (blocks, 3, lanes).
+    def _batches(self, points: Floats, size: float) -> Generator[tuple[Ints, Floats], None, None]:
+        """Indices of some points that lie together, about so many, and the points as (blocks, 3, lanes).
 
         The last block is filled up with copies.
         """
-        lanes, threads = _kernels.LANES, _kernels.thread_count()
-        rounds = max(1, round(FACE_VISITS / (len(self._surface.faces) * lanes * threads)))
-        at_once = rounds * lanes * threads
+        lanes = _kernels.LANES
+        at_once = max(1, math.ceil(size / (lanes * self._workers))) * lanes * self._workers
         normalised = self.normalised(points)
         order = curve_order(np.where(np.isfinite(normalised), normalised, 0.0).clip(-1.0, 1.0))
         for start in range(0, len(points), at_once):
