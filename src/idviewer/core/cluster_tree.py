@@ -37,9 +37,6 @@ CHUNK = 512
 CHUNKS_OF_A_WORKER = 2
 """Between two checkpoints; few points are cut into so many chunks too, so that all workers have some."""
 
-SLACK = 1.6
-"""Errors of nodes partly cancel: one alone may be so many times what is allowed to all together."""
-
 SHARE = 0.08
 """Part of a node's error that left out factors may cause."""
 
@@ -85,7 +82,7 @@ class ClusterTree:
         table[:, 0], table[:, 1:4], table[:, 4:columns] = 1.0, positions, values
         counts = np.zeros(table.shape[1])
         counts[:4], counts[4:columns] = 1.0, weights
-        plan = Plan(SLACK * tolerance * LEAST_TOTAL, SHARE, TABLES)
+        plan = Plan(tolerance * LEAST_TOTAL, SHARE, TABLES)
         source = Source(positions, ordered, table, counts, depth)
         nodes, factors = yield from _summed(source, plan)
         first_face = (len(faces) * np.arange((1 << depth) + 1)) >> depth
@@ -131,12 +128,11 @@ class ClusterTree:
         sums = aligned((len(points), self._tree.values.shape[1]))
         touched = np.zeros(len(points), dtype=np.uint8)
         rows, linear = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
-        allowed = SLACK * tolerance
         descend(
             points,
             chunks,
             *self._tree,
-            *(allowed, SHARE, self._on_surface, nearness_of(allowed)),
+            *(tolerance, SHARE, self._on_surface, nearness_of(tolerance)),
             *(self._room, touched, rows, linear, sums),
         )
         inside = sums[:, 0] > 0.0

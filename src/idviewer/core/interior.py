@@ -24,6 +24,10 @@ COORDINATES = {MeanValueCoordinates.name: MeanValueCoordinates}
 """Every kind of barycentric coordinates by its name."""
 
 
+OF_A_POINT = 0.7
+"""Part of a distance's error that one of its ends may cause; two rarely point in opposite ways."""
+
+
 class InteriorDistance:
     """Distances between points inside a mesh.
 
@@ -153,8 +157,7 @@ class InteriorDistance:
         points, rtol = as_points(points), self.rtol if rtol is None else rtol
         if rtol == 0.0:
             return (yield from self.coordinates.interpolate_steps(points, self.basis))
-        # Two points make a distance, and each may be wrong.
-        steps = self._approximation(weights).interpolate_steps(points, 0.5 * rtol)
+        steps = self._approximation(weights).interpolate_steps(points, OF_A_POINT * rtol)
         return (yield from steps)
 
     def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:

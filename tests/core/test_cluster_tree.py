@@ -1,0 +1,347 @@
+"""Interpolation within a tolerance: the error holds everywhere, and the parts it is made of are right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.core import shapes
+from tests.core.test_mean_value import bumpy_sphere
+
+from idviewer.core import Diffusion, InteriorDistance, Mesh, read_mesh, sample_path
+from idviewer.core._kernels.clusters import CLEARANCE
+from idviewer.core._kernels.expansion import INDICES, TABLES, monomials
+from idviewer.core.approximation import FINEST, Approximation
+from idviewer.core.cluster_tree import ClusterTree
+from idviewer.core.interior import extent
+from idviewer.core.mean_value import MeanValueCoordinates
+from idviewer.core.steps import finish
+
+DEPTHS = (0.0, 1e-9, 1e-6, 1e-3)
+"""How deep under the surface points are tried, in diagonals."""
+
+
+def flattened() -> Mesh:
+    """A thin sheet: a ball pressed to a thousandth of its height."""
+    vertices, faces = shapes.icosphere(4)
+    return Mesh(vertices * [1.0, 1.0, 1e-3], faces)
+
+
+def back_to_back() -> Mesh:
+    """A U of two thin sheets, one close upon the other."""
+    outline = [(0, 0), (1, 0), (1, 0.01), (0.02, 0.01), (0.02, 0.011), (1, 0.011), (1, 0.021), (0, 0.021)]
+    vertices, polygons = shapes.extruded([(float(x), y) for x, y in outline])
+    top = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 7], [4, 5, 6], [4, 6, 7]]
+    bottom = [face[::-1] for face in top]
+    sides = [part for a, b, c, d in polygons[2:] for part in ([a, b, c], [a, c, d])]
+    arrays = vertices, np.array(bottom + [[8 + i for i in face] for face in top] + sides)
+    for _ in range(3):
+        arrays = shapes.subdivided(*arrays)
+    return Mesh(*arrays)
+
+
+def needles() -> Mesh:
+    """A spindle of slivers, 400 times as long as wide."""
+    angles = 2 * np.pi * np.arange(1200) / 1200
+    ring = np.stack([0.5 * np.cos(angles), 0.5 * np.sin(angles), np.zeros(1200)], axis=1)
+    i, j = np.arange(1200), np.roll(np.arange(1200), -1)
+    upper, lower = np.stack([i, j, 0 * i + 1200], axis=1), np.stack([j, i, 0 * i + 1201], axis=1)
+    return Mesh(np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]]), np.concatenate([upper, lower]))
+
+
+BODIES = {
+    "bumpy sphere": bumpy_sphere(4),
+    "torus": Mesh(*shapes.torus(80, 40)),
+    "cube": Mesh(*shapes.cube()),
+    "thin sheet": flattened(),
+    "back to back": back_to_back(),
+    "needles": needles(),
+}
+
+
+def values_on(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
+    """(n, 20) waves of several lengths, and noise."""
+    places = (mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal
+    waves = np.cos(places @ rng.normal(scale=8.0, size=(3, 18)) + rng.uniform(0, 6, size=18))
+    return np.column_stack([waves, rng.uniform(-1, 1, size=(len(places), 2))])
+
+
+def inner_points(mesh: Mesh, rng: np.random.Generator, count: int) -> np.ndarray:
+    """Random points inside, told apart by the exact coordinates, which have tests of their own."""
+    points = rng.uniform(*mesh.bounds, size=(12 * count, 3))
+    found = finish(MeanValueCoordinates(mesh).interpolate_steps(points, np.ones((len(mesh.vertices), 1))))
+    return points[np.isfinite(found[:, 0])][:count]
+
+
+def points_in(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
+    """Points all over the inside, some of them at and just under the surface."""
+    faces = rng.integers(len(mesh.faces), size=20)
+    corners = mesh.vertices[mesh.faces[faces]]
+    on = np.einsum("fc,fci->fi", rng.dirichlet([1, 1, 1], size=20), corners)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = -normals / np.linalg.norm(normals, axis=1)[:, None] * mesh.diagonal
+    return np.concatenate([inner_points(mesh, rng, 120), *(on + depth * inward for depth in DEPTHS)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("name", BODIES)
+def test_the_error_stays_below_the_tolerance_everywhere(name, tolerance, rng):
+    mesh = BODIES[name]
+    values, points = values_on(mesh, rng), points_in(mesh, rng)
+    coordinates = MeanValueCoordinates(mesh)
+    weights = np.full(20, 1 / extent(values))
+    exact = finish(coordinates.interpolate_steps(points, values))
+    near = finish(coordinates.approximation(values, weights).interpolate_steps(points, tolerance))
+    np.testing.assert_array_equal(np.isnan(near), np.isnan(exact))
+    assert np.isfinite(exact).all(axis=1).sum() > 120
+    errors = np.linalg.norm(weights * (near - exact), axis=1)
+    assert np.nanmax(errors) < tolerance
+
+
+@pytest.mark.parametrize(
+    "rtol",
+    [
+        pytest.param(1e-2, marks=pytest.mark.slow),
+        1e-3,
+        *(pytest.param(r, marks=pytest.mark.slow) for r in (1e-4, 1e-5, 1e-6)),
+    ],
+)
+def test_distances_are_within_rtol_of_the_largest(rtol, rng):
+    mesh = read_mesh(sample_path("hand_2k"))
+    exact = InteriorDistance(mesh)
+    points = points_in(mesh, rng)
+    solver = InteriorDistance(mesh, rtol=rtol, spectrum=exact.spectrum)
+    true, near = exact.embed(points), solver.embed(points)
+    inside = np.isfinite(true[:, 0])
+    p, q = rng.choice(np.flatnonzero(inside), size=(2, 5000))
+    errors = np.linalg.norm(true[p] - true[q], axis=1) - np.linalg.norm(near[p] - near[q], axis=1)
+    largest = max(
+        np.linalg.norm(exact.vertex_embedding - row, axis=1).max() for row in exact.vertex_embedding
+    )
+    assert np.abs(errors).max() < rtol * largest
+    assert extent(exact.vertex_embedding) <= largest * (1 + 1e-12)
+
+
+def test_the_tree_is_what_answers(rng):
+    """Not the exact loop behind it: all points of a smooth body pass the check at once."""
+    mesh = BODIES["bumpy sphere"]
+    values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
+    coordinates = MeanValueCoordinates(mesh)
+    tree, columns = finish(coordinates.approximation(values, np.ones(20)).prepare_steps(1e-3))
+    assert len(columns) == 20
+    _, doubtful = finish(tree.interpolate_steps(coordinates.normalised(points), 1e-3, 1e-3))
+    assert doubtful.mean() < 0.05
+
+
+def test_the_check_finds_a_tree_that_is_too_coarse(rng):
+    mesh = BODIES["torus"]
+    values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
+    coordinates = MeanValueCoordinates(mesh)
+    weights = np.full(20, 1 / extent(values))
+    tree, _ = finish(coordinates.approximation(values, weights).prepare_steps(1e-1))
+    near, doubtful = finish(tree.interpolate_steps(coordinates.normalised(points), 1e-1, 1e-4))
+    exact = finish(coordinates.interpolate_steps(points, values))
+    wrong = np.linalg.norm(weights * (near - exact), axis=1) > 1e-3
+    assert wrong.any()
+    assert doubtful[wrong].all()
+
+
+def test_below_the_finest_tolerance_everything_is_exact(rng):
+    mesh = BODIES["torus"]
+    values, points = values_on(mesh, rng), inner_points(mesh, rng, 50)
+    coordinates = MeanValueCoordinates(mesh)
+    exact = finish(coordinates.interpolate_steps(points, values))
+    approximation = coordinates.approximation(values, np.ones(20))
+    for tolerance in (0.99 * FINEST, 1e-15, 1e-300):
+        near = finish(approximation.interpolate_steps(points, tolerance))
+        np.testing.assert_array_equal(near, exact)
+
+
+def test_on_the_surface_values_are_those_of_the_surface(rng):
+    mesh = BODIES["bumpy sphere"]
+    values = values_on(mesh, rng)
+    approximation = MeanValueCoordinates(mesh).approximation(values, np.ones(20))
+    shares = rng.dirichlet([1, 1, 1], size=40)
+    shares[:10] = np.eye(3)[rng.integers(3, size=10)]
+    shares[10:20, 0], shares[10:20, 1] = 0.0, 1 - shares[10:20, 2]
+    corners = mesh.faces[rng.integers(len(mesh.faces), size=40)]
+    points = np.einsum("fc,fci->fi", shares, mesh.vertices[corners])
+    expected = np.einsum("fc,fck->fk", shares, values[corners])
+    near = finish(approximation.interpolate_steps(points, 1e-2))
+    np.testing.assert_allclose(near, expected, atol=1e-6)
+
+
+def test_points_outside_are_nan_wherever_they_are(rng):
+    mesh = BODIES["torus"]
+    approximation = MeanValueCoordinates(mesh).approximation(values_on(mesh, rng), np.ones(20))
+    size, middle = mesh.diagonal, mesh.bounds.mean(axis=0)
+    directions = rng.normal(size=(20, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    points = np.concatenate(
+        [middle + directions * size * far for far in (0.6, 10.0, 1e6, 1e12)]
+        + [[middle, [np.nan, 0, 0], [np.inf, 0, 0], [0, -np.inf, np.nan]]]
+    )
+    assert np.isnan(finish(approximation.interpolate_steps(points, 1e-3))).all()
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e9])
+def test_size_and_place_do_not_matter(size, rng):
+    mesh = BODIES["bumpy sphere"]
+    values, points = values_on(mesh, rng), inner_points(mesh, rng, 100)
+    shift = np.array([1e5, -2e5, 3e5])
+    here = MeanValueCoordinates(mesh).approximation(values, np.ones(20))
+    there = MeanValueCoordinates(Mesh((mesh.vertices + shift) * size, mesh.faces)).approximation(
+        values, np.ones(20)
+    )
+    np.testing.assert_allclose(
+        finish(there.interpolate_steps((points + shift) * size, 1e-3)),
+        finish(here.interpolate_steps(points, 1e-3)),
+        atol=2e-3,
+    )
+
+
+@pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 700])
+def test_any_number_of_points(count, rng):
+    mesh = BODIES["bumpy sphere"]
+    values = values_on(mesh, rng)
+    coordinates = MeanValueCoordinates(mesh)
+    points = np.repeat(inner_points(mesh, rng, 70), 10, axis=0)[:count]
+    near = finish(coordinates.approximation(values, np.full(20, 0.1)).interpolate_steps(points, 1e-3))
+    assert near.shape == (count, 20)
+    np.testing.assert_allclose(near, finish(coordinates.interpolate_steps(points, values)), atol=1e-2)
+
+
+def test_columns_that_count_nothing_are_left_out(rng):
+    mesh = BODIES["torus"]
+    values, points = values_on(mesh, rng), inner_points(mesh, rng, 20)
+    weights = np.where(np.arange(20) < 5, 1.0, 1e-9)
+    near = finish(MeanValueCoordinates(mesh).approximation(values, weights).interpolate_steps(points, 1e-3))
+    assert (near[:, 5:] == 0.0).all()
+    assert (near[:, :5] != 0.0).all()
+
+
+def test_what_serves_several_distances_counts_the_worst_of_them():
+    solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
+    short = Diffusion(time=solver.distance_kind.resolved_time(solver.spectrum) / 8)
+    own, both = solver.error_weights(), solver.error_weights([short])
+    assert (both >= own).all()
+    assert both[-1] > 1000 * own[-1]
+
+
+def test_building_and_evaluating_can_be_left_at_any_step(rng):
+    mesh = BODIES["torus"]
+    values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
+    approximation = MeanValueCoordinates(mesh).approximation(values, np.full(20, 0.1))
+    expected = finish(
+        MeanValueCoordinates(mesh).approximation(values, np.full(20, 0.1)).interpolate_steps(points, 1e-3)
+    )
+    for stop in (1, 2, 5):
+        steps = approximation.interpolate_steps(points, 1e-3)
+        for _ in range(stop):
+            next(steps, None)
+        steps.close()
+    np.testing.assert_array_equal(finish(approximation.interpolate_steps(points, 1e-3)), expected)
+
+
+def test_shifted_monomials_are_the_sum_of_the_table(rng):
+    """(y + t)^beta, directly and by the shifts and binomials."""
+    y, t = rng.normal(size=(2, 3))
+    of_y, of_t, of_sum = (np.empty(len(INDICES)) for _ in range(3))
+    for place, powers in ((y, of_y), (t, of_t), (y + t, of_sum)):
+        monomials(*place, powers)
+    np.testing.assert_allclose(of_sum, [np.prod((y + t) ** index) for index in INDICES], rtol=1e-12)
+    total = of_t[1:].copy()  # the term with y^0, which the table leaves out
+    np.add.at(
+        total,
+        TABLES.shifts[:, 0],
+        TABLES.binomials * of_y[1 + TABLES.shifts[:, 1]] * of_t[TABLES.shifts[:, 2]],
+    )
+    np.testing.assert_allclose(total, of_sum[1:], rtol=1e-10)
+
+
+def test_the_moments_of_every_node_give_its_far_field(rng):
+    """The sum over faces of f K against the node's factors, at a distance where the expansion converges."""
+    mesh = bumpy_sphere(3)
+    places = (mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal
+    values = np.cos(places @ rng.normal(scale=3.0, size=(3, 4)))
+    tree = finish(ClusterTree.build_steps((places, mesh.faces), values, np.ones(4), 1e-6, 0.0))
+    nodes, factors, depth = tree._tree.nodes, tree._tree.factors, tree._tree.depth
+    ordered = tree_faces(tree, len(mesh.faces))
+    for node in rng.choice(np.flatnonzero(nodes.ranks), size=10, replace=False):
+        level = int(node).bit_length() - 1
+        place, count = node - (1 << level), len(mesh.faces)
+        own = ordered[(count * place) >> level : (count * (place + 1)) >> level]
+        direction = rng.normal(size=3)
+        away = 6 * CLEARANCE * nodes.radii[node] * direction / np.linalg.norm(direction)
+        point = nodes.centres[node] - away
+        direct = far_field(places, own, np.column_stack([np.ones(len(places)), places, values]), point)
+        rows = slice(nodes.first[node], nodes.first[node] + nodes.ranks[node])
+        moments = factors.shapes[rows].T @ factors.profiles[rows][:, :8]
+        series = derivatives(away) @ moments
+        size = np.abs(direct).max()
+        np.testing.assert_allclose(series, direct, atol=2e-4 * size)
+    assert depth > 3
+
+
+def tree_faces(tree: ClusterTree, count: int) -> np.ndarray:
+    """(m, 3) vertices of the faces in the tree's order."""
+    leaves = tree._tree.leaves
+    rows = leaves.rows + leaves.first_row[:-1, None, None]
+    parts = [leaves.vertices[rows[i, :, :n]].T for i, n in enumerate(leaves.counts)]
+    faces = np.concatenate(parts)
+    assert len(faces) == count
+    return faces
+
+
+def far_field(places, faces, values, point) -> np.ndarray:
+    """Integral of f n.(p - x) / |p - x|^4 over some faces, each cut into 64 by three subdivisions."""
+    corners = places[faces]
+    of_corners = values[faces]
+    for _ in range(3):
+        corners, of_corners = (split(array) for array in (corners, of_corners))
+    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    r = corners.mean(axis=1) - point
+    kernel = (normals * r).sum(axis=1) / (r**2).sum(axis=1) ** 2
+    return kernel @ of_corners.mean(axis=1)
+
+
+def split(corners: np.ndarray) -> np.ndarray:
+    """Four triangles for each one."""
+    a, b, c = corners.transpose(1, 0, 2)
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.concatenate([np.stack(part, axis=1) for part in parts])
+
+
+def derivatives(r: np.ndarray) -> np.ndarray:
+    """b_beta of 1 / |r|^2 for all proper multi-indices, from the power series of 1 / (1 + u).
+
+    |r + y|^-2 = |r|^-2 sum_m (-u)^m with u = (2 r.y + |y|^2) / |r|^2, multiplied out.
+    """
+    order = max(sum(index) for index in INDICES)
+    u: dict[tuple[int, ...], float] = {}
+    for axis, unit in enumerate(np.eye(3, dtype=int)):
+        u[tuple(unit)] = 2 * r[axis] / (r @ r)
+        u[tuple(2 * unit)] = 1 / (r @ r)
+    power, total = {(0, 0, 0): 1.0}, {(0, 0, 0): 1.0}
+    for _ in range(order):
+        product: dict[tuple[int, ...], float] = {}
+        for a, value in power.items():
+            for b, factor in u.items():
+                index = tuple(np.add(a, b).tolist())
+                if sum(index) <= order:
+                    product[index] = product.get(index, 0.0) - value * factor
+        power = product
+        for index, value in power.items():
+            total[index] = total.get(index, 0.0) + value
+    return np.array([total[index] for index in INDICES[1:]]) / (r @ r)
+
+
+def test_an_approximation_says_nothing_of_meshes_too_small_to_cut(rng):
+    """A tetrahedron is one leaf."""
+    mesh = Mesh(*shapes.tetrahedron())
+    values = rng.normal(size=(4, 3))
+    coordinates = MeanValueCoordinates(mesh)
+    points = inner_points(mesh, rng, 20)
+    near = finish(Approximation(coordinates, values, np.ones(3)).interpolate_steps(points, 1e-4))
+    np.testing.assert_allclose(near, finish(coordinates.interpolate_steps(points, values)), atol=1e-5)
