@@ -265,7 +265,7 @@ def test_the_moments_of_every_node_give_its_far_field(rng):
     places = (mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal
     values = np.cos(places @ rng.normal(scale=3.0, size=(3, 4)))
     tree = finish(ClusterTree.build_steps((places, mesh.faces), values, np.ones(4), 1e-6, 0.0))
-    nodes, factors, depth = tree._tree.nodes, tree._tree.factors, tree._tree.depth
+    nodes, factors, depth = tree.nodes, tree._tree.factors, tree._tree.depth
     ordered = tree_faces(tree, len(mesh.faces))
     for node in rng.choice(np.flatnonzero(nodes.ranks), size=10, replace=False):
         level = int(node).bit_length() - 1

@@ -9,19 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core._kernels import LANES, thread_count
-from idviewer.core._kernels.clusters import (
-    Factors,
-    Nodes,
-    Plan,
-    Source,
-    desks_for,
-    halved,
-    sum_level,
-    sum_subtrees,
-)
-from idviewer.core._kernels.descent import LEAST_TOTAL, Tree, aligned, descend, nearness_of, rooms
+from idviewer.core._kernels.clusters import RECORD, Nodes, records_of, sum_level, sum_subtrees
+from idviewer.core._kernels.descent import Tree, descend, nearness_of
 from idviewer.core._kernels.expansion import COEFFICIENTS, ORDER, TABLES
+from idviewer.core._kernels.factors import Factors, Plan, desks_for
+from idviewer.core._kernels.halving import halved
 from idviewer.core._kernels.leaf import leaves_of
+from idviewer.core._kernels.moments import Source
+from idviewer.core._kernels.point_lists import LEAST_TOTAL
+from idviewer.core._kernels.room import aligned, rooms
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -50,8 +46,9 @@ class ClusterTree:
     Use `build_steps`. Source: docs/cluster_tree.md.
     """
 
-    def __init__(self, tree: Tree, plan: Plan, columns: int, on_surface: float) -> None:
-        self._tree, self._plan, self._columns, self._on_surface = tree, plan, columns, on_surface
+    def __init__(self, tree: Tree, nodes: Nodes, columns: int, on_surface: float) -> None:
+        self._tree, self._columns, self._on_surface = tree, columns, on_surface
+        self.nodes = nodes
         self._workers = thread_count()
         self._room = rooms(tree.leaves, CHUNK, self._workers)
 
@@ -90,7 +87,9 @@ class ClusterTree:
         yield 0.95
         rows = aligned((len(leaves.vertices), table.shape[1]))
         rows[:] = table[leaves.vertices]
-        return cls(Tree(depth, nodes, factors, leaves, rows), plan, columns, on_surface)
+        records = aligned((2 << depth, RECORD))
+        records[:] = records_of(nodes)
+        return cls(Tree(depth, records, factors, leaves, rows), nodes, columns, on_surface)
 
     def interpolate_steps(
         self, points: Floats, tolerance: float, bound: float

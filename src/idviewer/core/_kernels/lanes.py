@@ -297,3 +297,18 @@ def transpose(typingctx, array, offset):  # type: ignore[no-untyped-def]
         return context.get_dummy_value()
 
     return (types.none(array, types.intp), codegen) if lanes else None
+
+
+@intrinsic
+def prefetch(typingctx, array, offset):  # type: ignore[no-untyped-def]
+    """Ask for the line of memory that holds array.ravel()[offset], which will be read soon."""
+
+    def codegen(context, builder, sig, values):  # type: ignore[no-untyped-def]
+        word, address = ir.IntType(32), _pointer(context, builder, sig, values)
+        address = builder.bitcast(address, ir.IntType(8).as_pointer())
+        kind = ir.FunctionType(ir.VoidType(), [address.type, word, word, word])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(function, [address, word(0), word(3), word(1)])
+        return context.get_dummy_value()
+
+    return types.none(array, types.intp), codegen

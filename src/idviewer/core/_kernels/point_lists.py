@@ -1,0 +1,127 @@
+"""Lists of points that go down a tree together, and how near nodes may be to each."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from idviewer.core._kernels.clusters import AREA, RADIUS, RECORD
+from idviewer.core._kernels.expansion import ORDER
+from idviewer.core._kernels.faces import PLAIN
+from idviewer.core._kernels.lanes import LANES, at, bits, larger, load, splat, store
+
+ALL = (1 << LANES) - 1
+
+LEAST_TOTAL = 4.0 * math.pi
+"""The weights of a point inside a body of diameter 1 add up to more: the integral of 1 / distance."""
+
+TRUSTED = 0.5
+"""Share of the roughly estimated total that is relied on."""
+
+OCTAVES = 64
+"""Totals are known by their power of two; so many times as large as the least they may become."""
+
+
+X, Y, Z, NEARNESS, OCTAVE, ID = range(6)
+"""Rows of a list of points: places relative to the chunk's first point; the square of how near nodes may be,
+in the unit of their bounds; the power of two of the total; and which point of the chunk it is."""
+
+
+@numba.njit(**PLAIN)
+def _rough_total(list_, start, origin, depth, records, stack):  # type: ignore[no-untyped-def]
+    """A first idea of the sums of some points' weights: every node not too near counts as one dipole."""
+    width = list_.shape[1]
+    px, py, pz = load(list_, start), load(list_, width + start), load(list_, 2 * width + start)
+    result = splat(np.float32(0.0))
+    stack[0] = 1
+    top = 1
+    while top:
+        top -= 1
+        record = RECORD * stack[top]
+        rx = at(records, record) - origin[0] - px
+        ry, rz = at(records, record + 1) - origin[1] - py, at(records, record + 2) - origin[2] - pz
+        square, radius2 = rx * rx + ry * ry + rz * rz, at(records, record + RADIUS)
+        if stack[top] >> depth or bits(square > np.float32(2.5) * radius2) == ALL:
+            square = larger(square, radius2)
+            flux = at(records, record + AREA) * rx + at(records, record + AREA + 1) * ry
+            result = result + (flux + at(records, record + AREA + 2) * rz) / (square * square)
+        else:
+            stack[top], stack[top + 1] = 2 * stack[top], 2 * stack[top] + 1
+            top += 2
+    return result
+
+
+@numba.njit(**PLAIN)
+def list_all(points, tolerance, depth, records, totals, stack, list_):  # type: ignore[no-untyped-def]
+    """The list of all points (c, 3).
+
+    The error of a point is that of its sums divided by the total of its weights: near the surface, where
+    the total is large, far nodes matter less.
+    """
+    count = points.shape[0]
+    for start in range(0, count, LANES):
+        for i in range(start, start + LANES):
+            point = min(i, count - 1)
+            for axis in range(3):
+                list_[axis, i] = points[point, axis] - points[0, axis]
+            list_[ID, i] = point
+        origin = points[0, 0], points[0, 1], points[0, 2]
+        store(totals, 0, _rough_total(list_, start, origin, depth, records, stack))
+        for lane in range(LANES):
+            i, ratio = start + lane, max(TRUSTED * totals[lane] / LEAST_TOTAL, 1.0)
+            list_[NEARNESS, i] = (tolerance * LEAST_TOTAL * ratio) ** (-2.0 / (ORDER + 3))
+            list_[OCTAVE, i] = min(int(math.log2(ratio)), OCTAVES - 1)
+
+
+@numba.njit(**PLAIN)
+def mark_far(list_, count, x, y, z, bound2, clear2, marks):  # type: ignore[no-untyped-def]
+    """Mark the points that are far from a node at (x, y, z); returns whether any are."""
+    width, any_far = list_.shape[1], np.int64(0)
+    for start in range(0, count, LANES):
+        dx, dy = x - load(list_, start), y - load(list_, width + start)
+        dz = z - load(list_, 2 * width + start)
+        square = dx * dx + dy * dy + dz * dz
+        bound = larger(bound2 * load(list_, NEARNESS * width + start), clear2)
+        marked = bits(square > bound)
+        if count - start < LANES:
+            marked &= (1 << (count - start)) - 1
+        marks[start // LANES] = marked
+        any_far |= marked
+    return any_far != 0
+
+
+@numba.njit(**PLAIN)
+def part(list_, count, marks, far, rest):  # type: ignore[no-untyped-def]
+    """Put the marked points of a list into far, the others into rest; returns how many are far.
+
+    The last point of far is repeated until the last vector is full.
+    """
+    fars = rests = 0
+    for start in range(0, count, LANES):
+        marked, size = marks[start // LANES], min(LANES, count - start)
+        if marked == 0 or marked == (1 << size) - 1:
+            to, end = (far, fars) if marked else (rest, rests)
+            for row in range(6):
+                store(to, row * to.shape[1] + end, load(list_, row * list_.shape[1] + start))
+            fars, rests = (fars + size, rests) if marked else (fars, rests + size)
+            continue
+        for i in range(start, start + size):
+            is_far = (marked >> (i - start)) & 1
+            for row in range(6):
+                far[row, fars] = list_[row, i]
+                rest[row, rests] = list_[row, i]
+            fars, rests = fars + is_far, rests + 1 - is_far
+    for i in range(fars, -(-fars // LANES) * LANES):
+        for row in range(6):
+            far[row, i] = far[row, fars - 1]
+    return fars
+
+
+@numba.njit(**PLAIN)
+def least_octave(list_, start):  # type: ignore[no-untyped-def]
+    least = list_[OCTAVE, start]
+    for i in range(start + 1, start + LANES):
+        least = min(least, list_[OCTAVE, i])
+    return np.int64(least)

@@ -1,0 +1,77 @@
+"""Room in which points go down a tree of clusters."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core._kernels.expansion import COEFFICIENTS
+from idviewer.core._kernels.factors import RANK
+from idviewer.core._kernels.lanes import LANES
+from idviewer.core._kernels.leaf import Leaves
+
+Floats = NDArray[np.float64]
+Floats32 = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+CACHE_LINE = 64
+
+LEVELS = 48
+"""More than a tree can have."""
+
+
+class Room(NamedTuple):
+    """Room for one worker's intermediate results, for chunks of up to c - LANES points.
+
+    Attributes:
+        lists: (LEVELS, 6, c) float32 the points that visit a node of each level.
+        held: (LEVELS,) in which list these are (all that visit a node may visit its children), and
+        counts: (LEVELS,) how many.
+        far: (6, c) float32 list of those that are far from a node.
+        marks: (c / LANES,) for each LANES of a list which are far, as bits.
+        basis: (COEFFICIENTS, LANES) float32 derivatives of the kernel.
+        amounts: (RANK, LANES) float32 of a node's profiles.
+        shares: (3, LANES) of the corners of a leaf's faces.
+        weights: (rows of the largest leaf, LANES) float32 of a leaf's rows.
+        stack: (2 LEVELS,) nodes that are still to be visited.
+    """
+
+    lists: Floats32
+    held: Ints
+    counts: Ints
+    far: Floats32
+    marks: Ints
+    basis: Floats32
+    amounts: Floats32
+    shares: Floats
+    weights: Floats32
+    stack: Ints
+
+
+def aligned(shape: tuple[int, ...], dtype: type = np.float32) -> Any:
+    """An array of zeros that begins where a line of the processor's cache does: no vector lies across two."""
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    memory = np.zeros(size + CACHE_LINE, dtype=np.uint8)
+    start = -memory.ctypes.data % CACHE_LINE
+    return memory[start : start + size].view(dtype).reshape(shape)
+
+
+def rooms(leaves: Leaves, points: int, workers: int) -> Room:
+    """Room for workers and chunks of so many points: every array has one more axis, in front."""
+    rows = int(np.diff(leaves.first_row).max())
+    size = (-(-points // LANES) + 1) * LANES
+    return Room(
+        aligned((workers, LEVELS, 6, size)),
+        np.empty((workers, LEVELS), dtype=np.int64),
+        np.empty((workers, LEVELS), dtype=np.int64),
+        aligned((workers, 6, size)),
+        np.empty((workers, size // LANES), dtype=np.int64),
+        aligned((workers, COEFFICIENTS, LANES)),
+        aligned((workers, RANK, LANES)),
+        aligned((workers, 3, LANES), np.float64),
+        aligned((workers, rows, LANES)),
+        np.empty((workers, 2 * LEVELS), dtype=np.int64),
+    )
