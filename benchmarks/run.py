@@ -1,156 +1,127 @@
-"""Times idviewer beside its peers in the same run: python benchmarks/run.py [MESH ...]
+"""Times idviewer beside its peers and beside what it should reach: python benchmarks/run.py [MESH ...]
 
-Peers: vtkMeanValueCoordinatesInterpolator for the weights, and the recipe that a user would write in ten
-lines (SciPy's eigsh in shift-invert mode on SuperLU) for the preprocess. Ours and theirs take turns, and the
-medians of several turns are compared, so that a busy machine disturbs both alike. The table goes to standard
-output, everything measured to benchmarks/results/latest.json.
+Ours and theirs take turns in the same run, and medians are compared, so that a busy machine disturbs both
+alike. Errors are true ones, taken outside of the timed part. The tables go to standard output, everything
+measured to benchmarks/results/latest.json; --readme puts the README's table in its place. Takes some eight
+minutes on two cores.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
-import platform
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
-from statistics import median
+from types import ModuleType
 
-import numpy as np
-import peers
+import drag
+import growth
+import gui
+import machine
+import memory
+import sliders
+import spectrum
+import tree
+import weights
+from bodies import Body
+from settings import Settings
+from table import Row, markdown, put_into
 
-from idviewer.core import MeanValueCoordinates, Mesh, eigenpairs, read_mesh, sample_path
-from idviewer.core.barycentroid import interior_samples
+from idviewer.core import read_mesh, sample_path
 from idviewer.core.compilation import compile_steps
+from idviewer.core.samples import DEFAULT_SAMPLE
 from idviewer.core.steps import finish
-from idviewer.session.pipeline import Pipeline
-from idviewer.session.session import default_plane
-from idviewer.session.state import Frame, FrameRequest, Progress, Query
 
-SAMPLES = ("hand_2k", "hand", "hand_27k")
-RESULTS = Path(__file__).parent / "results"
-Row = dict[str, float | int | str]
+ROOT = Path(__file__).parents[1]
+RESULTS = ROOT / "benchmarks" / "results"
+SHAPES = ("hand_2k", "hand", "hand_27k")
+ARMADILLO = ROOT.parent / "shared" / "meshes" / "armadillo.obj"
+SUBJECTS: dict[str, ModuleType] = {
+    module.__name__: module for module in (weights, tree, drag, sliders, growth, gui, memory, spectrum)
+}
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("meshes", nargs="*", type=Path, help="more meshes to measure on")
-    parser.add_argument("--turns", type=int, default=5, help="repetitions; the median counts")
-    arguments = parser.parse_args()
-    paths = [sample_path(name) for name in SAMPLES] + [path for path in arguments.meshes if path.exists()]
+    arguments = parser().parse_args()
+    settings = settings_of(arguments)
     finish(compile_steps())
-    meshes = [read_mesh(path) for path in paths]
-    tables = {
-        "Exact weights, per inner point": [weights_row(mesh, arguments.turns) for mesh in meshes],
-        "Preprocess: eigenpairs by the paper's rule": [
-            spectrum_row(mesh, arguments.turns) for mesh in meshes
-        ],
-        "A moved plane: from pose to frames": [slice_row(mesh, arguments.turns) for mesh in meshes],
-    }
-    machine = platform.processor() or platform.machine()
-    print(f"{machine}, {os.cpu_count()} cores, Python {platform.python_version()}")
-    for title, rows in tables.items():
-        show(title, rows)
+    tables: dict[str, list[Row]] = {}
+    print(machine.description())
+    for name in arguments.only or SUBJECTS:
+        start = time.perf_counter()
+        tables[name] = list(SUBJECTS[name].rows(settings))
+        print(f"\n### {SUBJECTS[name].TITLE}\n\n{markdown(tables[name])}\n\n{SUBJECTS[name].NOTE}")
+        print(f"({name}: {time.perf_counter() - start:.0f} s)", flush=True)
+    text = readme_text(tables)
+    print(f"\n### For the README\n\n{text}\n")
+    write_json(tables)
+    if arguments.readme:
+        put_into(ROOT / "README.md", text)
+
+
+def parser() -> argparse.ArgumentParser:
+    made = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    made.add_argument("meshes", nargs="*", type=Path, help="further meshes to measure on")
+    made.add_argument(
+        "--only", nargs="+", choices=SUBJECTS, metavar="SUBJECT", help=f"of {', '.join(SUBJECTS)}"
+    )
+    made.add_argument(
+        "--shapes", nargs="*", default=SHAPES, metavar="NAME", help="bundled shapes to measure on"
+    )
+    made.add_argument("--turns", type=int, default=5, help="repetitions; the median counts")
+    made.add_argument("--poses", type=int, default=100, help="of a drag, random ones and consecutive ones")
+    made.add_argument(
+        "--doublings", type=int, default=3, help="of the body of the growth: 14K faces, 56K, ..."
+    )
+    made.add_argument("--readme", action="store_true", help="write the README's table")
+    return made
+
+
+def settings_of(arguments: argparse.Namespace) -> Settings:
+    """Reads the meshes. The README tells of the default shape and of the largest body."""
+    paths = [*map(sample_path, arguments.shapes), *arguments.meshes]
+    if ARMADILLO.exists() and tuple(arguments.shapes) == SHAPES:
+        paths.append(ARMADILLO)
+    bodies = sorted((Body(read_mesh(path), path) for path in paths), key=lambda body: len(body.mesh.faces))
+    for body in bodies:
+        body.readme = body.mesh.name == DEFAULT_SAMPLE or body is bodies[-1]
+    return Settings(tuple(bodies), arguments.turns, arguments.poses, arguments.doublings)
+
+
+def readme_text(tables: dict[str, list[Row]]) -> str:
+    """The README's table and where it was measured."""
+    rows = [row for some in tables.values() for row in some if row.readme]
+    missed = sum(row.reached is False for row in rows)
+    bars = sum(row.bar is not None for row in rows)
+    return f"{markdown(rows)}\n\n{machine.description()}. Of {bars} bars, {missed} are missed."
+
+
+def write_json(tables: dict[str, list[Row]]) -> None:
+    """Everything measured; what was not reached is null."""
     RESULTS.mkdir(exist_ok=True)
     beside = RESULTS / "latest.json.part"
-    beside.write_text(json.dumps({"machine": platform.platform(), "tables": tables}, indent=2))
+    told = {name: [dict(_plain(row)) for row in rows] for name, rows in tables.items()}
+    beside.write_text(
+        json.dumps({"machine": machine.description(), "tables": told}, indent=2, allow_nan=False)
+    )
     beside.replace(RESULTS / "latest.json")
-    print(f"\nwritten: {RESULTS / 'latest.json'}")
+    print(f"written: {RESULTS / 'latest.json'}")
 
 
-def weights_row(mesh: Mesh, turns: int) -> Row:
-    """Time of one point's weights, VTK's beside ours, and how far the two differ."""
-    points = interior_samples(mesh)[:128]
-    few = points[:: max(1, len(points) // 8)][:8]
-    ours, theirs = MeanValueCoordinates(mesh), peers.VtkWeights(mesh)
-    own, peer = take_turns(turns, lambda: ours.weights(points), lambda: theirs(few))
-    weights, reference = ours.weights(few), theirs(few)
-    return {
-        "mesh": mesh.name,
-        "faces": len(mesh.faces),
-        "ours us": own / len(points) * 1e6,
-        "VTK us": peer / len(few) * 1e6,
-        "ratio": (peer / len(few)) / (own / len(points)),
-        "ours ns/face": own / len(points) / len(mesh.faces) * 1e9,
-        "difference": float(np.abs(weights - reference).max()),
-        "our linear error": linear_error(mesh, few, weights),
-        "VTK linear error": linear_error(mesh, few, reference),
-    }
+def _plain(row: Row) -> Iterator[tuple[str, object]]:
+    for name, value in {**asdict(row), "reached": row.reached}.items():
+        yield name, _finite(value)
 
 
-def linear_error(mesh: Mesh, points: np.ndarray, weights: np.ndarray) -> float:
-    """How well the weights reproduce the points, in bounding boxes."""
-    return float(np.abs(weights @ mesh.vertices - points).max() / mesh.diagonal)
-
-
-def spectrum_row(mesh: Mesh, turns: int) -> Row:
-    """Time of all eigenpairs below the cut-off; the recipe is told how many to ask for, which helps it."""
-    count = len(eigenpairs(mesh).values)
-    own, peer = take_turns(turns, lambda: eigenpairs(mesh), lambda: peers.recipe(mesh, count))
-    values, reference = eigenpairs(mesh).values, peers.recipe(mesh, count)
-    return {
-        "mesh": mesh.name,
-        "vertices": len(mesh.vertices),
-        "modes": count,
-        "ours s": own,
-        "recipe s": peer,
-        "ratio": peer / own,
-        "difference": float(np.abs(values / reference - 1).max()),
-    }
-
-
-def slice_row(mesh: Mesh, turns: int) -> Row:
-    """Time from a plane's new pose to its first and its exact frame, and of a source move."""
-    pipeline = Pipeline()
-    plane = default_plane(mesh)
-    for _ in pipeline.results(FrameRequest(mesh, Query(planes=(plane,)))):
-        pass
-    first, last, error = [], [], 0.0
-    for turn in range(turns):
-        shift = (turn + 1) / (20 * turns) * float(np.ptp(mesh.bounds @ np.array(plane.normal)))
-        start, seen = time.perf_counter(), 0
-        for result in pipeline.results(FrameRequest(mesh, Query(planes=(plane.moved(shift),)))):
-            if isinstance(result, Frame):
-                if not seen:
-                    first.append(time.perf_counter() - start)
-                    error = max(error, result.error / result.value_range[1])
-                seen += 1
-        last.append(time.perf_counter() - start)
-    moved = Query(planes=(plane.moved(shift),), source=tuple(mesh.vertices[0].tolist()))
-    start = time.perf_counter()
-    results = [one for one in pipeline.results(FrameRequest(mesh, moved)) if one is not None]
-    assert not any(isinstance(one, Progress) for one in results)
-    return {
-        "mesh": mesh.name,
-        "faces": len(mesh.faces),
-        "first frame ms": median(first) * 1e3,
-        "its error": error,
-        "exact frame s": median(last),
-        "source move ms": (time.perf_counter() - start) * 1e3,
-        "samples": sum(len(one.points) for one in results[-1].slices),
-    }
-
-
-def take_turns(turns: int, ours: Callable[[], object], theirs: Callable[[], object]) -> tuple[float, float]:
-    """Median seconds of each, measured alternately."""
-    spent: tuple[list[float], list[float]] = ([], [])
-    for _ in range(turns):
-        for seconds, call in zip(spent, (ours, theirs), strict=True):
-            start = time.perf_counter()
-            call()
-            seconds.append(time.perf_counter() - start)
-    return median(spent[0]), median(spent[1])
-
-
-def show(title: str, rows: list[Row]) -> None:
-    """Print rows as a Markdown table."""
-    print(f"\n### {title}\n")
-    print("| " + " | ".join(rows[0]) + " |")
-    print("|" + "--:|" * len(rows[0]))
-    for row in rows:
-        cells = [f"{cell:.3g}" if isinstance(cell, float) else str(cell) for cell in row.values()]
-        print("| " + " | ".join(cells) + " |")
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {name: _finite(one) for name, one in value.items()}
+    return [_finite(one) for one in value] if isinstance(value, tuple) else value
 
 
 if __name__ == "__main__":
