@@ -27,7 +27,7 @@ SUBTREES_AT_ONCE = 4
 FACTORS_OF_A_NODE = 8
 """Room for factors, on average over a subtree; nodes that find none leave their work to their children."""
 
-CHUNK = 512
+CHUNK = 1024
 """Most points that go down the tree together."""
 
 CHUNKS_OF_A_WORKER = 2

@@ -173,8 +173,8 @@ def sum_level(source, level, tolerance, share, tables, nodes, factors, desks, ke
 
 CENTRE, CLEAR, AREA, RADIUS, BOUND, FIRST, RANK_AT, RECORD = 0, 3, 4, 7, 7, 13, 14, 16
 """Where a record of a node holds its centre (3), the square of the distance at which it may be far (infinite
-without factors), its area vector (3), the square of its radius, the bounds of each degree (from BOUND + 1), its
-first factor and how many there are: one line of memory for all that a visit needs."""
+without factors), its area vector (3), the square of its radius, the bounds of each degree (from BOUND + 1),
+its first factor and how many there are: one line of memory for all that a visit needs."""
 
 
 def records_of(nodes: Nodes) -> Floats32:

@@ -25,8 +25,8 @@ from idviewer.core._kernels.point_lists import (
     OCTAVES,
     least_octave,
     list_all,
-    mark_far,
-    part,
+    pick,
+    split,
 )
 from idviewer.core._kernels.room import Room
 
@@ -196,11 +196,11 @@ def _descend(points, depth, records, factors, leaves, values, plan, room, touchi
     """One chunk of points (c, 3) through the whole tree."""
     # Tuples are taken apart here, once: reading them inside of the loop costs more than the loop does.
     shapes, profiles, rests = factors
-    lists, held, counts, far, marks, basis, amounts, shares, weights, stack = room
+    list_, active, held, counts, picked, basis, amounts, shares, weights, stack = room
     tolerance, share, on_surface, nearness = plan
-    list_all(points, tolerance, depth, records, amounts[0], stack, lists[0])
-    held[0], counts[0] = 0, points.shape[0]
-    width, fars = far.shape[1], 0
+    list_all(points, tolerance, depth, records, amounts[0], stack, list_, active[0])
+    held[0], counts[0] = 0, -(-points.shape[0] // LANES)
+    width, fars = picked.shape[1], 0
     node, level = 1, 0
     while node:
         record = RECORD * node
@@ -212,18 +212,18 @@ def _descend(points, depth, records, factors, leaves, values, plan, room, touchi
         y = np.float32(at(records, record + 1) - points[0, 1])
         z = np.float32(at(records, record + 2) - points[0, 2])
         clear2, bound = at(records, record + CLEAR), at(records, record + BOUND + ORDER)
-        here, fars = lists[held[level]], 0
-        held[level + 1], counts[level + 1] = held[level], counts[level]
-        if mark_far(here, counts[level], x, y, z, bound * bound, clear2, marks):
-            fars = part(here, counts[level], marks, far, lists[level + 1])
-            held[level + 1], counts[level + 1] = level + 1, counts[level] - fars
+        fars, held[level + 1], counts[level + 1] = 0, held[level], counts[level]
+        if end > first:
+            here, rest = active[held[level]], active[level + 1]
+            fars, left = split(list_, here, counts[level], x, y, z, bound * bound, clear2, picked, rest)
+            held[level + 1], counts[level + 1] = level + 1, left
         leaf = node - (1 << depth)
         if leaf >= 0 and counts[level + 1]:
             _fetch_leaf(leaves, values, leaf)
         for start in range(0, fars, LANES):
-            rx, ry = x - load(far, start), y - load(far, width + start)
-            rz = z - load(far, 2 * width + start)
-            octave = least_octave(far, start)
+            rx, ry = x - load(picked, start), y - load(picked, width + start)
+            rz = z - load(picked, 2 * width + start)
+            octave = least_octave(picked, start)
             square = rx * rx + ry * ry + rz * rz
             degree = _degree(records, record, square, nearness, octave)
             _expand_to(degree, rx, ry, rz, basis)
@@ -231,15 +231,17 @@ def _descend(points, depth, records, factors, leaves, values, plan, room, touchi
             while last > first + 1 and rests[last - 1] < allowed:
                 last -= 1
             _amounts(shapes, first, last, COUNTS[degree], basis, amounts)
-            _add_product(amounts, profiles, first, last, far, start, min(start + LANES, fars), sums)
+            _add_product(amounts, profiles, first, last, picked, start, min(start + LANES, fars), sums)
         if counts[level + 1] and level < depth:
             node, level = 2 * node, level + 1
             continue
-        rest = lists[held[level + 1]]
-        for start in range(0, counts[level + 1], LANES):
-            stop = min(start + LANES, counts[level + 1])
+        near, count = active[held[level + 1]], 0
+        for i in range(counts[level + 1]):
+            count = pick(list_, near[i, 0], near[i, 1], picked, count)
+        for start in range(0, count, LANES):
+            stop = min(start + LANES, count)
             _add_near(
-                points, rest, start, stop, leaves, values, leaf, on_surface, shares, weights, touching, sums
+                points, picked, start, stop, leaves, values, leaf, on_surface, shares, weights, touching, sums
             )
         node, level = _next(node, level)
 
@@ -267,11 +269,11 @@ def descend(  # type: ignore[no-untyped-def]
     workers = room.counts.shape[0]
     for worker in numba.prange(workers):
         own = Room(
-            room.lists[worker],
+            room.list_[worker],
+            room.active[worker],
             room.held[worker],
             room.counts[worker],
-            room.far[worker],
-            room.marks[worker],
+            room.picked[worker],
             room.basis[worker],
             room.amounts[worker],
             room.shares[worker],

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 
+import llvmlite.ir as ir
 import numba
 import numpy as np
+from numba import types
+from numba.core import cgutils
 
 from idviewer.core._kernels.clusters import AREA, RADIUS, RECORD
 from idviewer.core._kernels.expansion import ORDER
 from idviewer.core._kernels.faces import PLAIN
-from idviewer.core._kernels.lanes import LANES, at, bits, larger, load, splat, store
+from idviewer.core._kernels.lanes import LANES, at, bits, intrinsic, larger, load, splat, store
 
 ALL = (1 << LANES) - 1
 
@@ -24,7 +27,7 @@ OCTAVES = 64
 """Totals are known by their power of two; so many times as large as the least they may become."""
 
 
-X, Y, Z, NEARNESS, OCTAVE, ID = range(6)
+X, Y, Z, NEARNESS, OCTAVE, ID, ROWS = range(7)
 """Rows of a list of points: places relative to the chunk's first point; the square of how near nodes may be,
 in the unit of their bounds; the power of two of the total; and which point of the chunk it is."""
 
@@ -54,14 +57,16 @@ def _rough_total(list_, start, origin, depth, records, stack):  # type: ignore[n
 
 
 @numba.njit(**PLAIN)
-def list_all(points, tolerance, depth, records, totals, stack, list_):  # type: ignore[no-untyped-def]
-    """The list of all points (c, 3).
+def list_all(points, tolerance, depth, records, totals, stack, list_, active):  # type: ignore[no-untyped-def]
+    """The list of all points (c, 3), and their blocks, all of which are active.
 
     The error of a point is that of its sums divided by the total of its weights: near the surface, where
     the total is large, far nodes matter less.
     """
     count = points.shape[0]
     for start in range(0, count, LANES):
+        active[start // LANES, 0] = start // LANES
+        active[start // LANES, 1] = (1 << min(LANES, count - start)) - 1
         for i in range(start, start + LANES):
             point = min(i, count - 1)
             for axis in range(3):
@@ -75,48 +80,63 @@ def list_all(points, tolerance, depth, records, totals, stack, list_):  # type: 
             list_[OCTAVE, i] = min(int(math.log2(ratio)), OCTAVES - 1)
 
 
+@intrinsic
+def _lowest(typingctx, lanes):  # type: ignore[no-untyped-def]
+    """The lowest bit that is set."""
+
+    def codegen(context, builder, sig, values):  # type: ignore[no-untyped-def]
+        word, flag = values[0].type, ir.IntType(1)
+        kind = ir.FunctionType(word, [word, flag])
+        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.cttz.i{word.width}")
+        return builder.call(function, [values[0], ir.Constant(flag, 1)])
+
+    return types.intp(types.intp), codegen
+
+
 @numba.njit(**PLAIN)
-def mark_far(list_, count, x, y, z, bound2, clear2, marks):  # type: ignore[no-untyped-def]
-    """Mark the points that are far from a node at (x, y, z); returns whether any are."""
-    width, any_far = list_.shape[1], np.int64(0)
-    for start in range(0, count, LANES):
+def pick(list_, block, lanes, picked, count):  # type: ignore[no-untyped-def]
+    """Append those points of a block whose bits are set to a list of count points; returns the new count."""
+    width, start = list_.shape[1], block * LANES
+    if lanes == ALL:
+        for row in range(ROWS):
+            store(picked, row * picked.shape[1] + count, load(list_, row * width + start))
+        return count + LANES
+    while lanes:
+        lane = _lowest(lanes)
+        lanes &= lanes - 1
+        for row in range(ROWS):
+            picked[row, count] = list_[row, start + lane]
+        count += 1
+    return count
+
+
+@numba.njit(**PLAIN)
+def split(list_, active, count, x, y, z, bound2, clear2, far, rest):  # type: ignore[no-untyped-def]
+    """Tell the points that are far from a node at (x, y, z) from the others.
+
+    active (.., 2) and rest (.., 2) hold blocks of points, and as bits which of them are meant. The last point
+    of far is repeated until the last vector is full.
+
+    Returns:
+        How many points are far, and how many entries rest has.
+    """
+    width, fars, rests = list_.shape[1], 0, 0
+    for i in range(count):
+        block, lanes = active[i, 0], active[i, 1]
+        start = block * LANES
         dx, dy = x - load(list_, start), y - load(list_, width + start)
         dz = z - load(list_, 2 * width + start)
-        square = dx * dx + dy * dy + dz * dz
         bound = larger(bound2 * load(list_, NEARNESS * width + start), clear2)
-        marked = bits(square > bound)
-        if count - start < LANES:
-            marked &= (1 << (count - start)) - 1
-        marks[start // LANES] = marked
-        any_far |= marked
-    return any_far != 0
-
-
-@numba.njit(**PLAIN)
-def part(list_, count, marks, far, rest):  # type: ignore[no-untyped-def]
-    """Put the marked points of a list into far, the others into rest; returns how many are far.
-
-    The last point of far is repeated until the last vector is full.
-    """
-    fars = rests = 0
-    for start in range(0, count, LANES):
-        marked, size = marks[start // LANES], min(LANES, count - start)
-        if marked == 0 or marked == (1 << size) - 1:
-            to, end = (far, fars) if marked else (rest, rests)
-            for row in range(6):
-                store(to, row * to.shape[1] + end, load(list_, row * list_.shape[1] + start))
-            fars, rests = (fars + size, rests) if marked else (fars, rests + size)
-            continue
-        for i in range(start, start + size):
-            is_far = (marked >> (i - start)) & 1
-            for row in range(6):
-                far[row, fars] = list_[row, i]
-                rest[row, rests] = list_[row, i]
-            fars, rests = fars + is_far, rests + 1 - is_far
+        away = bits(dx * dx + dy * dy + dz * dz > bound) & lanes
+        if away:
+            fars = pick(list_, block, away, far, fars)
+        if away != lanes:
+            rest[rests, 0], rest[rests, 1] = block, lanes & ~away
+            rests += 1
     for i in range(fars, -(-fars // LANES) * LANES):
-        for row in range(6):
+        for row in range(ROWS):
             far[row, i] = far[row, fars - 1]
-    return fars
+    return fars, rests
 
 
 @numba.njit(**PLAIN)

@@ -12,6 +12,7 @@ from idviewer.core._kernels.expansion import COEFFICIENTS
 from idviewer.core._kernels.factors import RANK
 from idviewer.core._kernels.lanes import LANES
 from idviewer.core._kernels.leaf import Leaves
+from idviewer.core._kernels.point_lists import ROWS
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -27,11 +28,11 @@ class Room(NamedTuple):
     """Room for one worker's intermediate results, for chunks of up to c - LANES points.
 
     Attributes:
-        lists: (LEVELS, 6, c) float32 the points that visit a node of each level.
-        held: (LEVELS,) in which list these are (all that visit a node may visit its children), and
-        counts: (LEVELS,) how many.
-        far: (6, c) float32 list of those that are far from a node.
-        marks: (c / LANES,) for each LANES of a list which are far, as bits.
+        list_: (ROWS, c) float32 the points of a chunk.
+        active: (LEVELS, c / LANES, 2) those that visit a node of each level, as blocks and bits.
+        held: (LEVELS,) in which level's part of active they are (all may go on), and
+        counts: (LEVELS,) how many blocks.
+        picked: (ROWS, c) float32 some of the points.
         basis: (COEFFICIENTS, LANES) float32 derivatives of the kernel.
         amounts: (RANK, LANES) float32 of a node's profiles.
         shares: (3, LANES) of the corners of a leaf's faces.
@@ -39,11 +40,11 @@ class Room(NamedTuple):
         stack: (2 LEVELS,) nodes that are still to be visited.
     """
 
-    lists: Floats32
+    list_: Floats32
+    active: Ints
     held: Ints
     counts: Ints
-    far: Floats32
-    marks: Ints
+    picked: Floats32
     basis: Floats32
     amounts: Floats32
     shares: Floats
@@ -64,11 +65,11 @@ def rooms(leaves: Leaves, points: int, workers: int) -> Room:
     rows = int(np.diff(leaves.first_row).max())
     size = (-(-points // LANES) + 1) * LANES
     return Room(
-        aligned((workers, LEVELS, 6, size)),
+        aligned((workers, ROWS, size)),
+        np.empty((workers, LEVELS, size // LANES, 2), dtype=np.int64),
         np.empty((workers, LEVELS), dtype=np.int64),
         np.empty((workers, LEVELS), dtype=np.int64),
-        aligned((workers, 6, size)),
-        np.empty((workers, size // LANES), dtype=np.int64),
+        aligned((workers, ROWS, size)),
         aligned((workers, COEFFICIENTS, LANES)),
         aligned((workers, RANK, LANES)),
         aligned((workers, 3, LANES), np.float64),
