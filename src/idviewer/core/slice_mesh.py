@@ -105,23 +105,65 @@ def refined(flat: Floats, triangles: NDArray[np.int32]) -> tuple[Ints, NDArray[n
     >>> ends.tolist(), len(triangles)
     ([[0, 1], [0, 2], [1, 2]], 4)
     """
+    ends, sides = edges_of(len(flat), triangles)
+    return ends, split(triangles, sides + len(flat))
+
+
+def edges_of(count: int, triangles: Ints32) -> tuple[Ints, Ints]:
+    """The edges of triangles (t, 3) between so many points.
+
+    Returns:
+        (e, 2) the two ends of each edge, the smaller first, in ascending order; and (t, 3) the edges of each
+        triangle, the one from its first corner to its second first.
+    """
     corners = np.ascontiguousarray(triangles.T, dtype=np.int64)
     tails, heads = corners.ravel(), corners[[1, 2, 0]].ravel()
-    count, bits = len(flat), len(tails).bit_length()
+    bits = len(tails).bit_length()
     # Sorted together with their places: one plain sort, several times faster than sorting the places.
     keys = np.minimum(tails, heads) * count + np.maximum(tails, heads)
     keys = np.sort(keys << bits | np.arange(len(keys)))
     places, keys = keys & ((1 << bits) - 1), keys >> bits
     first = np.diff(keys, prepend=-1) != 0
-    middles = np.empty(len(tails), dtype=np.int64)
-    middles[places] = np.cumsum(first) - 1 + count
-    a, b, c = corners
-    ab, bc, ca = middles.reshape(3, -1)
-    smaller = np.empty((4, len(triangles), 3), dtype=np.int32)
-    for part, three in zip(smaller, ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)), strict=True):
-        for place, corner in enumerate(three):
-            part[:, place] = corner
-    return np.stack(np.divmod(keys[first], count), axis=1), smaller.reshape(-1, 3)
+    sides = np.empty(len(tails), dtype=np.int64)
+    sides[places] = np.cumsum(first) - 1
+    return np.stack(np.divmod(keys[first], max(count, 1)), axis=1), sides.reshape(3, -1).T
+
+
+def split(triangles: Ints32, middles: Ints) -> Ints32:
+    """Cut triangles at middles of some of their edges.
+
+    Args:
+        triangles: (t, 3).
+        middles: (t, 3) the point in the middle of the edge from each corner to the next, or -1 where that
+            edge stays whole.
+
+    Returns:
+        (s, 3) triangles, wound as those they are parts of.
+
+    >>> split(np.array([[0, 1, 2]], dtype=np.int32), np.array([[-1, 3, -1]])).tolist()
+    [[1, 3, 0], [3, 2, 0]]
+    """
+    marked = middles >= 0
+    number = marked.sum(axis=1)
+    # Turned so that the whole edges come last.
+    first = np.where(number == 2, np.argmin(marked, axis=1) + 1, np.argmax(marked, axis=1))
+    turned = (first[:, None] + np.arange(3)) % 3
+    corners = np.take_along_axis(triangles, turned, axis=1)
+    cuts = np.take_along_axis(middles, turned, axis=1).astype(np.int32)
+    parts = [triangles[number == 0]]
+    for count, pattern in _PATTERNS.items():
+        chosen = number == count
+        points = np.concatenate([corners[chosen], cuts[chosen]], axis=1)
+        parts.extend(points[:, three] for three in pattern)
+    return np.concatenate(parts)
+
+
+_PATTERNS = {
+    1: ([0, 3, 2], [3, 1, 2]),
+    2: ([3, 1, 4], [0, 3, 4], [0, 4, 2]),
+    3: ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]),
+}
+"""Parts of a triangle with corners 0, 1, 2 whose first so many edges are cut, in points 3, 4 and 5."""
 
 
 def _fill(section: Section, stairs: list[Ints], nodes: Floats) -> Ints32:
