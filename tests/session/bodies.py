@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from tests.core import shapes
 
-from idviewer.core import Mesh
+from idviewer.core import Mesh, Plane
 
 WAIT = 60.0
 """Seconds after which a test that waits for the compute thread fails."""
@@ -40,3 +40,15 @@ class Owner:
         """Run what has been posted up to now."""
         while not self._posted.empty():
             self._posted.get()()
+
+
+def random_planes(mesh: Mesh, count: int, rng: np.random.Generator) -> list[Plane]:
+    """Planes at random angles that cut the body not too near its ends."""
+    planes = []
+    for _ in range(count):
+        normal = rng.standard_normal(3)
+        normal /= np.linalg.norm(normal)
+        heights = mesh.vertices @ normal
+        height = heights.min() + rng.uniform(0.1, 0.9) * np.ptp(heights)
+        planes.append(Plane(tuple((height * normal).tolist()), tuple(normal.tolist())))
+    return planes

@@ -32,9 +32,9 @@ def sampled(monkeypatch) -> list[int]:
     counts: list[int] = []
     original = InteriorDistance.sample_steps
 
-    def counting(self, points):
+    def counting(self, points, **more):
         counts.append(len(points))
-        return original(self, points)
+        return original(self, points, **more)
 
     monkeypatch.setattr(InteriorDistance, "sample_steps", counting)
     return counts

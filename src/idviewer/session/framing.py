@@ -7,17 +7,15 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.session.plane_samples import SampledSlice
+from idviewer.session.cloud import squares_of
+from idviewer.session.plane_samples import PlaneSamples, SampledSlice
 from idviewer.session.prepared import Prepared
 from idviewer.session.state import Frame, Point, Query, Slice
 
 Floats = NDArray[np.float64]
 
-PROBE_SAFETY = 2.0
-"""The sampled errors are few; the largest of all is taken to be at most so many times theirs."""
-
-ROWS_AT_A_TIME = 2048
-"""Small enough for the scaled rows to stay in the processor's cache."""
+PROBE_SAFETY = 1.0
+"""The largest error of all is taken to be so many times the largest probed."""
 
 
 class Framing:
@@ -32,7 +30,11 @@ class Framing:
         self._prepared, self._query = prepared, query
         self._sampled = prepared.sampled(query.distance)
         self.solver = self._sampled.solver.with_distance(query.distance)
-        self.samples = [self._sampled.on(plane) for plane in query.planes]
+
+    def prepare_steps(self) -> Generator[float, None, list[PlaneSamples]]:
+        """What sampling needs, and the samples on the query's planes."""
+        yield from self._sampled.sampler.prepare_steps()
+        return [self._sampled.on(plane) for plane in self._query.planes]
 
     @property
     def settled(self) -> bool:
@@ -44,52 +46,67 @@ class Framing:
         """Whether the values depend on it."""
         return self._query.source is None or self._query.quantity == "potential"
 
-    def frame_steps(self, slices: list[SampledSlice], level: int) -> Generator[None, None, Frame]:
-        """The picture of the query at a level."""
+    @property
+    def has_exact_points(self) -> bool:
+        """Whether the points that the values depend on need no sampling that takes time."""
+        return all(self._sampled.is_exact(point) for point in self._points_needed())
+
+    def frame_steps(
+        self, slices: list[SampledSlice], level: int, rtol: float = 0.0
+    ) -> Generator[None, None, Frame]:
+        """The picture of the query at a level.
+
+        Args:
+            slices: one for each plane.
+            level: of the finest of them that is not finer than the others.
+            rtol: of the source's sample, if it has to be taken.
+        """
         query, solver, spectrum = self._query, self.solver, self._prepared.spectrum
-        barycentroid = _point(self._prepared.barycentroid(query.distance).point)
-        source = barycentroid if query.source is None else query.source
+        source, barycentroid = self._places()
+        exact_points = rtol == 0.0 or self.has_exact_points
         potential = query.quantity == "potential"
-        measured_from = yield from self._image(source)
+        # The source is looked at also where it does not count: it may lie outside.
+        measured_from = yield from self._image(source, rtol)
         origin = solver.centre if potential else measured_from
-        lowest = float(np.linalg.norm((yield from self._image(barycentroid)) - origin)) if potential else 0.0
-        errors = np.concatenate([np.zeros(0), *(distances(s.probed_error, solver.scale) for s in slices)])
+        lowest = 0.0
+        if potential:
+            lowest = float(np.linalg.norm((yield from self._image(barycentroid, rtol)) - origin))
         drawn = tuple(
-            Slice(plane, one.points, one.triangles, distances(one.rows, solver.scale, origin), one.outline)
+            Slice(plane, one.points, one.triangles, one.cloud.distances(solver.scale, origin), one.outline)
             for plane, one in zip(query.planes, slices, strict=True)
         )
         yield
+        highest = self._sampled.body.farthest(solver.scale, origin)
+        sampled_within = max([0.0 if exact_points or potential else rtol, *(one.rtol for one in slices)])
         frame = Frame(
             mesh=solver.mesh,
             query=query,
             slices=drawn,
             level=level,
-            exact=len(errors) == 0 and self.settled,
-            error=PROBE_SAFETY * float(errors.max(initial=0.0)),
+            exact=all(one.final for one in slices) and self.settled and exact_points,
+            error=sampled_within * highest + PROBE_SAFETY * max(map(self._probed, slices), default=0.0),
             source=np.array(source),
             barycentroid=np.array(barycentroid),
-            value_range=(lowest, float(distances(solver.basis, solver.scale, origin).max())),
+            value_range=(lowest, highest),
             title=f"Potential U ({solver.description})" if potential else solver.description,
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
         )
         return _frozen(frame)
 
-    def _image(self, point: Point) -> Generator[None, None, Floats]:
-        return (yield from self._sampled.row_steps(point)) * self.solver.scale
+    def _places(self) -> tuple[Point, Point]:
+        """The source and the barycentroid."""
+        barycentroid = _point(self._prepared.barycentroid(self._query.distance).point)
+        return (barycentroid if self._query.source is None else self._query.source), barycentroid
 
+    def _points_needed(self) -> tuple[Point, ...]:
+        source, barycentroid = self._places()
+        return (source, barycentroid) if self._query.quantity == "potential" else (source,)
 
-def distances(rows: Floats, scale: Floats, origin: Floats | float = 0.0) -> Floats:
-    """|row * scale - origin| of each row.
+    def _image(self, point: Point, rtol: float) -> Generator[None, None, Floats]:
+        return (yield from self._sampled.row_steps(point, rtol)) * self.solver.scale
 
-    >>> distances(np.array([[3.0, 2.0]]), np.array([1.0, 2.0])).tolist()
-    [5.0]
-    """
-    result = np.empty(len(rows))
-    for start in range(0, len(rows), ROWS_AT_A_TIME):
-        chunk = rows[start : start + ROWS_AT_A_TIME] * scale
-        chunk -= origin
-        result[start : start + ROWS_AT_A_TIME] = np.sqrt(np.einsum("pk,pk->p", chunk, chunk))
-    return result
+    def _probed(self, one: SampledSlice) -> float:
+        return float(np.sqrt(squares_of(one.probed_error, self.solver.scale, 0.0).max(initial=0.0)))
 
 
 def _point(values: Floats) -> Point:

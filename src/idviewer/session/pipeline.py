@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from idviewer.core import Distance, InteriorDistance, Mesh, MeshError, Spectrum,
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.session.framing import Framing
-from idviewer.session.prepared import Prepared
+from idviewer.session.plane_samples import PlaneSamples
+from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -26,6 +28,7 @@ from idviewer.session.state import (
 )
 
 Results = Iterator[Result | None]
+Made = TypeVar("Made")
 
 
 class Pipeline:
@@ -67,7 +70,8 @@ class Pipeline:
         if self._told != (prepared, modes):
             self._told = (prepared, modes)
             yield Ready(request.mesh, modes, prepared.barycentroid(distance).point)
-        yield from _coarse_to_fine(prepared, framing)
+        samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
+        yield from _coarse_to_fine(prepared, framing, samples)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         mesh, spectral = request.mesh, request.query.distance.spectral
@@ -85,20 +89,35 @@ class Pipeline:
             yield progress
 
 
-def _coarse_to_fine(prepared: Prepared, framing: Framing) -> Results:
+def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSamples]) -> Results:
     """The frames of a query. The first needs nothing but samples, so that a slider's drag is followed; where
-    the distance's own barycentroid is not known yet, the one shown before stands for it meanwhile."""
-    samples = framing.samples
+    the distance's own barycentroid is not known yet, the one shown before stands for it meanwhile. Nor does
+    the first wait for the exact sample of a new source."""
     levels = max((one.levels for one in samples), default=1)
-    for level in range(min((one.start for one in samples), default=0), levels):
+    first = min((one.start for one in samples), default=0)
+    for level in range(first, levels):
         slices = []
         for one in samples:
-            slices.append((yield from one.level_steps(max(level, one.start))))
+            slices.append((yield from one.level_steps(level)))
+        if level == first and not framing.has_exact_points:
+            yield (yield from framing.frame_steps(slices, level, SOURCE))
+            if level < levels - 1 and framing.settled:
+                continue
         yield (yield from framing.frame_steps(slices, level))
         if not framing.settled and (framing.shows_barycentroid or level == levels - 1):
             yield Progress("Finding the barycentroid")
             yield from prepared.settle_steps(framing.solver)
             yield (yield from framing.frame_steps(slices, level))
+
+
+def _with_progress(stage: str, steps: Generator[float, None, Made]) -> Generator[Progress, None, Made]:
+    """Runs steps to their end and tells of them."""
+    while True:
+        try:
+            share = next(steps)
+        except StopIteration as stop:
+            return stop.value
+        yield Progress(stage, share)
 
 
 def run_to_end(mesh: Mesh, query: Query) -> Frame:

@@ -3,24 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import InteriorDistance, Plane, section
-from idviewer.core.slice_mesh import SliceMesh, refined, slice_mesh, spacing_for
+from idviewer.core import Plane, section
+from idviewer.core.slice_mesh import SliceMesh, edges_of, slice_mesh, spacing_for, split
+from idviewer.session.cloud import Cloud
+from idviewer.session.middles import Middles, interpolated
+from idviewer.session.sampler import COARSE, FINE, Sampler
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Ints32 = NDArray[np.int32]
+Bools = NDArray[np.bool_]
 
-COARSEST = 60
-"""Nodes of the first frame of a moved plane."""
+COARSEST = 400
+"""Lattice nodes of the first frame of a moved plane."""
 
-LEVELS = 5
-PROBES = 16
-SHOWN_POINTS = 4000
-"""A coarse mesh is cut finer until it has so many points, the embedding interpolated between its nodes."""
+LEVELS = 3
+"""Levels with a lattice of their own, each half as wide as the one before."""
+
+EXTRA = 260
+"""Middles of edges sampled for the first frame besides, where interpolating would be worst."""
+
+CHECKED = 30
+"""Of these, those taken at random among the others: they tell what interpolating costs elsewhere."""
+
+NEIGHBOURS = 0.2
+"""How much the error expected at an edge's neighbours counts where edges are chosen."""
+
+NODE_BITS = 24
+"""Enough to number the points sampled."""
+
+BAND_SHARE = 0.15
+"""Finer levels sample up to so many middles of band edges for each node."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,74 +49,121 @@ class SampledSlice:
         points: (p, 3).
         triangles: (t, 3).
         outline: loops of indices into points.
-        rows: (p, k) the basis, before it is scaled.
-        probed_error: (q, k) sampled minus interpolated basis at a few points between those sampled;
-            empty where every row is a direct computation.
+        cloud: the basis at the points.
+        probed_error: (q, k) sampled minus interpolated basis at a few points; empty where every row is
+            sampled.
+        rtol: tolerance of the samples, in largest distances on the mesh; 0 where they are exact.
+        final: whether there is no finer level.
     """
 
     points: Floats
     triangles: NDArray[np.int32]
     outline: tuple[NDArray[np.int32], ...]
-    rows: Floats
+    cloud: Cloud
     probed_error: Floats
+    rtol: float
+    final: bool
+
+
+Steps = Generator[None, None, SampledSlice]
 
 
 class PlaneSamples:
-    """Samples of a solver's basis on a plane's section, at nested levels.
+    """Samples of a basis on a plane's section, at nested levels.
 
     Args:
-        solver: whose basis is sampled.
+        sampler: of the basis.
         plane: where.
         finest: about how many nodes the last level may have.
     """
 
-    def __init__(self, solver: InteriorDistance, plane: Plane, finest: int) -> None:
-        self._solver = solver
-        self.section = section(solver.mesh, plane)
-        self.levels = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
+    def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
+        self._sampler = sampler
+        self.section = section(sampler.solver.mesh, plane)
+        self._outline_rows = self.section.interpolate(sampler.solver.basis)
+        self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
+        self.levels = self._lattices if sampler.exact_always else self._lattices + 1
         self._spacing = spacing_for(self.section, COARSEST)
-        self._keys: Ints = np.empty(0, dtype=np.int64)
-        self._rows: Floats = np.empty((0, solver.basis.shape[1]))
-        self._done: dict[int, SampledSlice] = {}
-        self._outline_rows = self.section.interpolate(solver.basis)
+        self._weights = sampler.solver.scale
+        self._kept = _Kept(0.0, self._outline_rows.shape[1])
+        self._done: tuple[int, SampledSlice] | None = None
+        self._making: tuple[int, Steps] | None = None
 
     @property
     def start(self) -> int:
         """The level to show first: the finest that needs no more samples."""
-        return max(self._done, default=0)
+        return 0 if self._done is None else self._done[0]
 
-    def level_steps(self, level: int) -> Generator[None, None, SampledSlice]:
-        """The slice at a level, the last of which is exact at every point; yields every few milliseconds."""
+    def level_steps(self, level: int) -> Steps:
+        """The slice at a level or, if that is there, a finer one; the last is exact at every point.
+
+        Yields every few milliseconds, and goes on where it was left when closed.
+        """
         level = min(level, self.levels - 1)
-        if level not in self._done:
-            self._done[level] = yield from self._make(level)
-        return self._done[level]
+        while self._done is None or self._done[0] < level:
+            if self._making is None or self._making[0] != level:
+                self._making = level, self._make(level)
+            try:
+                next(self._making[1])
+            except StopIteration as stop:
+                self._done, self._making = (level, stop.value), None
+                break
+            except Exception:
+                self._making = None
+                raise
+            yield
+        assert self._done is not None
+        return self._done[1]
 
-    def _make(self, level: int) -> Generator[None, None, SampledSlice]:
-        mesh = slice_mesh(self.section, self._spacing / 2**level)
-        yield
+    def _make(self, level: int) -> Steps:
+        lattice = min(level, self._lattices - 1)
         exact = level == self.levels - 1
-        inner = yield from self._rows_at(mesh.nodes, level)
-        rows = np.concatenate([self._outline_rows, inner])
-        errors = np.empty((0, rows.shape[1]))
-        if not exact and len(mesh.triangles):
-            lattice = yield from self._probe_lattice(mesh.nodes, inner, level)
-            band = yield from self._probe_band(mesh, rows)
-            errors = np.concatenate([lattice, band])
+        mesh = slice_mesh(self.section, self._spacing / 2**lattice)
         yield
-        return _shown(mesh, rows, errors, exact)
+        rtol = 0.0 if exact else self._sampler.tolerance(COARSE if level < 2 else FINE, self._outline_rows)
+        if rtol != self._kept.rtol:
+            self._kept = _Kept(rtol, self._outline_rows.shape[1])
+        inner = yield from self._rows_at(mesh.nodes, lattice)
+        rows = np.concatenate([self._outline_rows, inner])
+        yield
+        if level == 0 and not exact:
+            return (yield from self._refined(mesh, rows))
+        made = yield from self._with_band(mesh, rows, lattice, exact)
+        if exact:
+            self._kept = _Kept(0.0, rows.shape[1])
+        return made
 
     def _rows_at(self, nodes: Ints, level: int) -> Generator[None, None, Floats]:
         """The basis at lattice nodes of a level, sampling those that have not been."""
-        keys = self._key(nodes, level)
-        missing = ~np.isin(keys, self._keys)
+        points = nodes * (self._spacing / 2**level)
+        return (yield from self._rows_of(_key(nodes, level), points))
+
+    def _rows_of(self, keys: Ints, points: Floats) -> Generator[None, None, Floats]:
+        """The basis at points (p, 2) of the plane, sampling those whose keys are not known."""
+        missing = ~self._kept.has(keys)
         if missing.any():
-            points = self.section.lift(nodes[missing] * (self._spacing / 2**level))
-            self._remember(keys[missing], (yield from self._sample(points)))
-        return self._rows[np.searchsorted(self._keys, keys)]
+            self._kept.add(keys[missing], (yield from self._sample(self.section.lift(points[missing]))))
+        return self._kept.rows(keys)
+
+    def _rows_between(self, mesh: SliceMesh, middles: Middles, level: int) -> Generator[None, None, Floats]:
+        """The basis sampled in middles of edges; where rounding puts one outside, what was interpolated."""
+        keys = self._keys_between(mesh, middles.ends, level)
+        rows = yield from self._rows_of(keys, _middle(mesh, middles.ends))
+        return np.where(np.isfinite(rows), rows, middles.rows)
+
+    def _keys_between(self, mesh: SliceMesh, ends: Ints, level: int) -> Ints:
+        """Numbers of the middles of edges: of lattice edges those of nodes, of the others negative ones."""
+        count = len(mesh.section.flat)
+        lattice, chord = ends[:, 0] >= count, ends[:, 1] < count
+        keys = -1 - (ends @ np.array([count, 1]))
+        across = ~(lattice | chord)
+        heads = self._kept.numbers(_key(mesh.nodes[ends[across, 1] - count], level))
+        keys[across] = -1 - count**2 - (ends[across, 0] << NODE_BITS | heads)
+        keys[lattice] = _key(mesh.nodes[ends[lattice] - count].sum(axis=1), level + 1)
+        return keys
 
     def _sample(self, points: Floats) -> Generator[None, None, Floats]:
-        steps = self._solver.sample_steps(points)
+        steps = self._sampler.sample_steps(points, self._kept.rtol)
         while True:
             try:
                 next(steps)
@@ -106,47 +171,102 @@ class PlaneSamples:
                 return stop.value
             yield
 
-    def _probe_band(self, mesh: SliceMesh, rows: Floats) -> Generator[None, None, Floats]:
-        """Sampled minus interpolated basis in the middles of the largest triangles at the outline."""
-        outline = len(self._outline_rows)
-        band = mesh.triangles[(mesh.triangles < outline).any(axis=1)]
-        corners = mesh.points[band]
-        sizes = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        chosen = band[np.argsort(-sizes, kind="stable")[:PROBES]]
-        sampled = yield from self._sample(mesh.points[chosen].mean(axis=1))
-        return sampled - rows[chosen].mean(axis=1)
+    def _refined(self, mesh: SliceMesh, rows: Floats) -> Steps:
+        """The mesh with the middles of all edges added, sampled where they matter, elsewhere interpolated."""
+        ends, sides = edges_of(len(rows), mesh.triangles)
+        middles = interpolated(mesh, ends, rows, self._weights)
+        yield
+        chosen = _worst_and_some(_around(middles.expected, sides) * _lengths(mesh, ends))
+        sampled = yield from self._rows_between(mesh, middles.at(chosen), 0)
+        # Half of those sampled were the worst: the other half and the random ones tell of what is left.
+        errors = (sampled - middles.rows[chosen])[(EXTRA - CHECKED) // 2 :]
+        middles.rows[chosen] = sampled
+        yield
+        return self._shown(mesh, rows, middles, split(mesh.triangles, sides + len(rows)), errors, False)
 
-    def _probe_lattice(self, nodes: Ints, rows: Floats, level: int) -> Generator[None, None, Floats]:
-        """Sampled minus interpolated basis at a few middles of lattice edges, nodes of the next level."""
-        keys = self._key(nodes, level)
-        ordered = np.argsort(keys)
-        right = self._key(nodes + np.array([1, 0]), level)
-        place = np.minimum(np.searchsorted(keys, right, sorter=ordered), max(len(keys) - 1, 0))
-        has_right = keys[ordered[place]] == right if len(keys) else np.empty(0, dtype=np.bool_)
-        chosen = np.flatnonzero(has_right)
-        chosen = chosen[:: max(1, len(chosen) // PROBES)][:PROBES]
-        middles = 2 * nodes[chosen] + np.array([1, 0])
-        sampled = yield from self._rows_at(middles, level + 1)
-        return sampled - 0.5 * (rows[chosen] + rows[ordered[place[chosen]]])
+    def _with_band(self, mesh: SliceMesh, rows: Floats, level: int, final: bool) -> Steps:
+        """The mesh with the middles of the steepest edges of the band added and sampled."""
+        in_band = (mesh.triangles < len(self._outline_rows)).any(axis=1)
+        band = mesh.triangles[in_band]
+        ends, sides = edges_of(len(rows), band)
+        steep = np.flatnonzero(ends[:, 0] < len(self._outline_rows))
+        middles = interpolated(mesh, ends[steep], rows, self._weights)
+        order = np.argsort(-middles.expected, kind="stable")[: int(BAND_SHARE * len(mesh.nodes))]
+        chosen = np.sort(order[middles.expected[order] > 0.0])
+        added = middles.at(chosen)
+        yield
+        added = replace(added, rows=(yield from self._rows_between(mesh, added, level)))
+        number = np.full(len(ends), -1)
+        number[steep[chosen]] = len(rows) + np.arange(len(chosen))
+        triangles = np.concatenate([mesh.triangles[~in_band], split(band, number[sides])])
+        return self._shown(mesh, rows, added, triangles, np.empty((0, rows.shape[1])), final)
 
-    def _key(self, nodes: Ints, level: int) -> Ints:
-        """One number a node, the same at every level at which the node exists."""
-        finest = nodes * 2 ** (LEVELS - level)
-        return (finest[:, 0] + 2**30) * 2**31 + finest[:, 1] + 2**30
+    def _shown(
+        self, mesh: SliceMesh, rows: Floats, middles: Middles, triangles: Ints32, errors: Floats, final: bool
+    ) -> SampledSlice:
+        points = np.concatenate([mesh.points, self.section.lift(_middle(mesh, middles.ends))])
+        loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
+        cloud = Cloud(np.concatenate([rows, middles.rows]))
+        return SampledSlice(points, triangles, loops, cloud, errors, self._kept.rtol, final)
 
-    def _remember(self, keys: Ints, rows: Floats) -> None:
+
+class _Kept:
+    """Rows sampled at points of a plane within one tolerance, by the points' keys."""
+
+    def __init__(self, rtol: float, columns: int) -> None:
+        self.rtol = rtol
+        self._keys: Ints = np.empty(0, dtype=np.int64)
+        self._order: Ints = np.empty(0, dtype=np.int64)
+        self._rows: Floats = np.empty((0, columns))
+
+    def has(self, keys: Ints) -> Bools:
+        return np.isin(keys, self._keys)
+
+    def add(self, keys: Ints, rows: Floats) -> None:
+        order = np.concatenate([self._order, np.arange(len(self._rows), len(self._rows) + len(rows))])
         keys = np.concatenate([self._keys, keys])
-        order = np.argsort(keys, kind="stable")
-        self._keys = keys[order]
-        self._rows = np.concatenate([self._rows, rows])[order]
+        ascending = np.argsort(keys, kind="stable")
+        self._keys, self._order = keys[ascending], order[ascending]
+        self._rows = np.concatenate([self._rows, rows])
+
+    def numbers(self, keys: Ints) -> Ints:
+        """Numbers of points in the order in which they were added."""
+        return self._order[np.searchsorted(self._keys, keys)]
+
+    def rows(self, keys: Ints) -> Floats:
+        return self._rows[self.numbers(keys)]
 
 
-def _shown(mesh: SliceMesh, rows: Floats, errors: Floats, exact: bool) -> SampledSlice:
-    """The mesh to draw; a coarse one is cut finer, its embedding (never its distance) interpolated."""
-    points, triangles = mesh.points, mesh.triangles
-    while not exact and 0 < len(points) < SHOWN_POINTS:
-        ends, triangles = refined(points, triangles)
-        points = np.concatenate([points, points[ends].mean(axis=1)])
-        rows = np.concatenate([rows, rows[ends].mean(axis=1)])
-    loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
-    return SampledSlice(points, triangles, loops, rows, errors)
+def _key(nodes: Ints, level: int) -> Ints:
+    """One number a node, the same at every level at which the node exists."""
+    finest = nodes * 2 ** (LEVELS - level)
+    return (finest[:, 0] + 2**30) * 2**31 + finest[:, 1] + 2**30
+
+
+def _middle(mesh: SliceMesh, ends: Ints) -> Floats:
+    """(e, 2) the middles of edges in the plane's basis."""
+    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
+    return 0.5 * (flat[ends[:, 0]] + flat[ends[:, 1]])
+
+
+def _lengths(mesh: SliceMesh, ends: Ints) -> Floats:
+    """(e,) the edges' lengths in lattice constants, the longest cut to 2."""
+    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
+    return np.minimum(np.linalg.norm(flat[ends[:, 1]] - flat[ends[:, 0]], axis=1) / mesh.spacing, 2.0)
+
+
+def _around(expected: Floats, sides: Ints) -> Floats:
+    """Errors expected at edges, a part of the largest among each edge's neighbours added."""
+    largest = expected[sides].max(axis=1)
+    nearby = np.zeros(len(expected))
+    for side in sides.T:
+        np.maximum.at(nearby, side, largest)
+    return np.where(expected > 0.0, expected + NEIGHBOURS * nearby, 0.0)
+
+
+def _worst_and_some(expected: Floats) -> Ints:
+    """Numbers of the largest errors expected, in descending order, and of some of the others."""
+    inexact = int((expected > 0.0).sum())
+    order = np.argsort(-expected, kind="stable")[:inexact]
+    worst, others = order[: EXTRA - CHECKED], order[EXTRA - CHECKED :]
+    return np.concatenate([worst, others[:: max(1, -(-len(others) // CHECKED))]])

@@ -1,0 +1,93 @@
+"""One basis sampled at points, for every distance that it serves, as accurately as a slice needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from idviewer.core import DISTANCES, Distance, InteriorDistance
+from idviewer.core.distances import parameters_of
+
+Floats = NDArray[np.float64]
+
+QUICK_FACES = 4000
+"""On meshes up to so large, sampling exactly takes no longer than within a tolerance."""
+
+COARSE, FINE = 1.2e-3, 1.5e-4
+"""Tolerances of samples, in largest distances on the slice; about three times the largest error seen."""
+
+FINEST = 2e-5
+"""The smallest tolerance there is a tree for, in largest distances on the mesh."""
+
+
+class Sampler:
+    """Samples a solver's basis within tolerances that hold for all its distances.
+
+    Args:
+        solver: whose basis is sampled.
+    """
+
+    def __init__(self, solver: InteriorDistance) -> None:
+        self.solver = solver
+        self.exact_always = len(solver.mesh.faces) <= QUICK_FACES
+        self.ready = self.exact_always
+        self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
+        common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
+        self._scales = np.stack([one.scale * np.ones(solver.basis.shape[1]) for one in common], axis=1)
+        self._radii = self._radii_of(solver.basis)
+        self._preparation = self._prepare()
+
+    def sample_steps(self, points: ArrayLike, rtol: float) -> Generator[float, None, Floats]:
+        """The basis at points (p, 3), within rtol of the largest distance on the mesh; 0 is exact."""
+        if self.exact_always or rtol == 0.0:
+            return (yield from self.solver.sample_steps(points, rtol=0.0))
+        return (yield from self.solver.sample_steps(points, rtol=rtol, weights=self._weights))
+
+    def tolerance(self, share: float, outline: Floats) -> float:
+        """The rtol that is such a share of the distances on a slice with these rows on its outline."""
+        if self.exact_always or len(outline) == 0:
+            return 0.0
+        ratio = float((self._radii_of(outline) / self._radii).min())
+        return float(np.clip(share * ratio, FINEST, share))
+
+    def prepare_steps(self) -> Generator[float, None, None]:
+        """What sampling needs; goes on where it was left, yields the share done every few milliseconds."""
+        while not self.ready:
+            try:
+                share = next(self._preparation)
+            except StopIteration:
+                self.ready = True
+                return
+            except Exception:
+                self._preparation = self._prepare()
+                raise
+            yield share
+
+    def _prepare(self) -> Generator[float, None, None]:
+        point, tolerances = self.solver.mesh.vertices[:1], (COARSE, FINE, FINEST)
+        for done, rtol in enumerate(tolerances):
+            for share in self.sample_steps(point, rtol):
+                yield (done + min(share, 1.0)) / len(tolerances)
+
+    def _radii_of(self, rows: Floats) -> Floats:
+        """How far the images of rows lie from their mean, for each of the common distances."""
+        off = rows - rows.mean(axis=0)
+        return np.sqrt(np.max(off**2 @ self._scales**2, axis=0))
+
+
+def _common(solver: InteriorDistance) -> list[Distance]:
+    """The distances of the solver's basis, parameters left to their defaults."""
+    return [kind() for kind in DISTANCES.values() if solver.shares_basis(kind())]
+
+
+def extremes(solver: InteriorDistance) -> list[Distance]:
+    """The distances with the solver's basis, each parameter at its default and at the ends of its span."""
+    found: list[Distance] = []
+    for distance in _common(solver):
+        found.append(distance)
+        for name, parameter in parameters_of(distance).items():
+            middle = parameter.default(float(solver.spectrum.values[0]))
+            found += [type(distance)(**{name: middle * end}) for end in parameter.span]
+    return found
