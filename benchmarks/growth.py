@@ -39,7 +39,7 @@ def rows(settings: Settings) -> Iterator[Row]:
         spent = take_turns(settings.turns, *(one.sampling(points) for one in sized))
         a_point = [1e6 * s / one.count(points) for s, one in zip(spent, sized, strict=True)]
         for one, cost in zip(sized, a_point, strict=True):
-            yield Row(f"a sample of {words}", one.body.label, cost, "us", error=one.error(points))
+            yield Row(f"a sample of {words}", one.body.label, cost, "µs", error=one.error(points))
         ends = f"{sized[-1].body.size} against {sized[0].body.size}"
         yield Row(f"a sample of {words}", ends, a_point[-1] / a_point[0], "x", bar=FACTOR, readme=True)
 

@@ -36,7 +36,7 @@ from idviewer.core.samples import DEFAULT_SAMPLE
 from idviewer.core.steps import finish
 
 ROOT = Path(__file__).parents[1]
-RESULTS = ROOT / "benchmarks" / "results"
+RESULTS = ROOT / "benchmarks" / "results" / "latest.json"
 SHAPES = ("hand_2k", "hand", "hand_27k")
 ARMADILLO = ROOT.parent / "shared" / "meshes" / "armadillo.obj"
 SUBJECTS: dict[str, ModuleType] = {
@@ -45,7 +45,10 @@ SUBJECTS: dict[str, ModuleType] = {
 
 
 def main() -> None:
-    arguments = parser().parse_args()
+    asked = parser()
+    arguments = asked.parse_args()
+    if arguments.readme and arguments.only:
+        asked.error("--readme wants all subjects, not --only some")
     settings = settings_of(arguments)
     finish(compile_steps())
     tables: dict[str, list[Row]] = {}
@@ -57,7 +60,7 @@ def main() -> None:
         print(f"({name}: {time.perf_counter() - start:.0f} s)", flush=True)
     text = readme_text(tables)
     print(f"\n### For the README\n\n{text}\n")
-    write_json(tables)
+    write_json(arguments.out, tables)
     if arguments.readme:
         put_into(ROOT / "README.md", text)
 
@@ -76,6 +79,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--doublings", type=int, default=3, help="of the body of the growth: 14K faces, 56K, ..."
     )
+    made.add_argument("--out", type=Path, default=RESULTS, help="where the JSON goes")
     made.add_argument("--readme", action="store_true", help="write the README's table")
     return made
 
@@ -99,16 +103,16 @@ def readme_text(tables: dict[str, list[Row]]) -> str:
     return f"{markdown(rows)}\n\n{machine.description()}. Of {bars} bars, {missed} are missed."
 
 
-def write_json(tables: dict[str, list[Row]]) -> None:
+def write_json(path: Path, tables: dict[str, list[Row]]) -> None:
     """Everything measured; what was not reached is null."""
-    RESULTS.mkdir(exist_ok=True)
-    beside = RESULTS / "latest.json.part"
+    path.parent.mkdir(exist_ok=True)
+    beside = path.with_name(path.name + ".part")
     told = {name: [dict(_plain(row)) for row in rows] for name, rows in tables.items()}
     beside.write_text(
         json.dumps({"machine": machine.description(), "tables": told}, indent=2, allow_nan=False)
     )
-    beside.replace(RESULTS / "latest.json")
-    print(f"written: {RESULTS / 'latest.json'}")
+    beside.replace(path)
+    print(f"written: {path}")
 
 
 def _plain(row: Row) -> Iterator[tuple[str, object]]:

@@ -34,7 +34,7 @@ def _row(body: Body, turns: int) -> Row:
         "weights, every face",
         body.label,
         own / len(points) * 1e6,
-        "us",
+        "µs",
         beside=("VTK", peer / len(few) * 1e6),
         error=difference,
         bar=Bar(60.0, error=1e-10, ratio=True) if body.large else None,
