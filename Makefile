@@ -35,7 +35,7 @@ lint: $(VENV)/installed-lint ## formatting, lint, types and import contracts alo
 test-core: $(VENV)/core/installed ## core and session in an environment without Qt and PyVista
 	@$(VENV)/core/bin/python -m pytest tests/core tests/session tests/test_imports.py src/idviewer/core src/idviewer/session
 
-bench: $(VENV)/installed-test ## time the core beside its peers: a table, and JSON (BENCH_ARGS are passed on)
+bench: system-test $(VENV)/installed-test ## speed, errors and memory, beside peers and bars: tables, and JSON (BENCH_ARGS are passed on)
 	@$(PYTHON_IN) benchmarks/run.py $(BENCH_ARGS)
 
 pictures: system-test $(VENV)/installed-test ## draw the pictures of the documentation again
