@@ -21,8 +21,8 @@ Bools = NDArray[np.bool_]
 FINEST = 5e-6
 """For smaller tolerances the exact loop over all faces is about as quick, and single precision ends."""
 
-STRICTER = 0.1
-"""Points that fail the check are done again with so much of the tolerance, then exactly."""
+AIMS = 0.7, 0.07
+"""Shares of the tolerance that are aimed at, one after the other; points that fail the check twice are exact."""
 
 NEGLIGIBLE = 0.2
 """Share of the tolerance up to which columns that count little are left out, as zeros."""
@@ -62,10 +62,8 @@ class Approximation:
         # All that is farther out than the corners of the bounding box is outside.
         left = np.flatnonzero(np.abs(places).max(axis=1, initial=0.0) <= 0.5)
         result[np.setdiff1d(np.arange(len(points)), left)] = np.nan
-        for stricter in (1.0, STRICTER):
-            values, doubtful = yield from tree.interpolate_steps(
-                places[left], stricter * tolerance, tolerance
-            )
+        for aim in AIMS:
+            values, doubtful = yield from tree.interpolate_steps(places[left], aim * tolerance, tolerance)
             result[np.ix_(left, columns)] = values
             result[left[np.isnan(values).any(axis=1)]] = np.nan
             left = left[doubtful]

@@ -36,7 +36,7 @@ CHUNKS_OF_A_WORKER = 2
 SHARE = 0.08
 """Part of a node's error that left out factors may cause."""
 
-DOUBT = 2.5
+DOUBT = 3.0
 """Errors of values are at most about so many times those of the positions, which are known."""
 
 

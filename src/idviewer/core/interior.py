@@ -24,8 +24,8 @@ COORDINATES = {MeanValueCoordinates.name: MeanValueCoordinates}
 """Every kind of barycentric coordinates by its name."""
 
 
-OF_A_POINT = 0.7
-"""Part of a distance's error that one of its ends may cause; two rarely point in opposite ways."""
+OF_A_POINT = 0.5
+"""Part of a distance's error that each of its ends may cause."""
 
 
 class InteriorDistance:
