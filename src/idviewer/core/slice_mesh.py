@@ -144,6 +144,9 @@ def split(triangles: Ints32, middles: Ints) -> Ints32:
     [[1, 3, 0], [3, 2, 0]]
     """
     marked = middles >= 0
+    if marked.all():
+        points = np.concatenate([triangles, middles.astype(np.int32)], axis=1)
+        return points[:, _PATTERNS[3]].reshape(-1, 3)
     number = marked.sum(axis=1)
     # Turned so that the whole edges come last.
     first = np.where(number == 2, np.argmin(marked, axis=1) + 1, np.argmax(marked, axis=1))
@@ -159,9 +162,9 @@ def split(triangles: Ints32, middles: Ints) -> Ints32:
 
 
 _PATTERNS = {
-    1: ([0, 3, 2], [3, 1, 2]),
-    2: ([3, 1, 4], [0, 3, 4], [0, 4, 2]),
-    3: ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]),
+    1: [[0, 3, 2], [3, 1, 2]],
+    2: [[3, 1, 4], [0, 3, 4], [0, 4, 2]],
+    3: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
 }
 """Parts of a triangle with corners 0, 1, 2 whose first so many edges are cut, in points 3, 4 and 5."""
 

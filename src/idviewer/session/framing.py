@@ -14,7 +14,7 @@ from idviewer.session.state import Frame, Point, Query, Slice
 
 Floats = NDArray[np.float64]
 
-PROBE_SAFETY = 1.0
+PROBE_SAFETY = 1.5
 """The largest error of all is taken to be so many times the largest probed."""
 
 

@@ -37,7 +37,7 @@ class Middles:
         return Middles(self.ends[chosen], self.rows[chosen], self.expected[chosen])
 
 
-def interpolated(mesh: SliceMesh, ends: Ints, rows: Floats, weights: Floats) -> Middles:
+def interpolated(mesh: SliceMesh, ends: Ints, rows: Floats, telling: Floats) -> Middles:
     """The basis in the middles of edges, from its values at the mesh's points.
 
     Between two nodes it is a quadratic or cubic polynomial along the lattice's line through them, as far as
@@ -47,20 +47,20 @@ def interpolated(mesh: SliceMesh, ends: Ints, rows: Floats, weights: Floats) -> 
         mesh: what the edges belong to.
         ends: (e, 2) indices into its points.
         rows: (p, k) the basis there.
-        weights: (k,) of the expected errors.
+        telling: (p, c) values there that tell what an error in the rows counts.
     """
     lattice = ends[:, 0] >= len(mesh.section.flat)
     points, bend = _bend(mesh, ends, lattice)
     middle, steep = 0.0 - bend, bend.copy()
     middle[:, :2] += 0.5
     steep[~lattice, :2] = STEEP, -STEEP
-    expected = np.linalg.norm(_combined(points, steep, rows * weights), axis=1)
+    expected = np.linalg.norm(combined(points, steep, telling), axis=1)
     expected[_on_outline(mesh, ends)] = 0.0
-    return Middles(ends, _combined(points, middle, rows), expected)
+    return Middles(ends, combined(points, middle, rows), expected)
 
 
-def _combined(points: Ints, coefficients: Floats, rows: Floats) -> Floats:
-    """Sums of rows: each of points (e, 4) times its coefficient."""
+def combined(points: Ints, coefficients: Floats, rows: Floats) -> Floats:
+    """Sums of rows: each of points (e, c) times its coefficient (e, c)."""
     starts = np.arange(0, points.size + 1, points.shape[1])
     matrix = csr_array((coefficients.ravel(), points.ravel(), starts), shape=(len(points), len(rows)))
     return matrix @ rows
@@ -99,9 +99,10 @@ def _find(nodes: Ints, wanted: Ints) -> Ints:
 def _on_outline(mesh: SliceMesh, ends: Ints) -> Bools:
     """Which edges (smaller end first) are sides of the outline."""
     starts, stops = mesh.section.segments
-    count = len(mesh.section.flat)
-    sides = np.minimum(starts, stops) * count + np.maximum(starts, stops)
+    follower = np.full(len(mesh.section.flat), -1)
+    follower[starts] = stops
     result = np.zeros(len(ends), dtype=np.bool_)
-    both = np.flatnonzero(ends[:, 1] < count)
-    result[both] = np.isin(ends[both, 0] * count + ends[both, 1], sides)
+    both = np.flatnonzero(ends[:, 1] < len(follower))
+    one, other = ends[both].T
+    result[both] = (follower[one] == other) | (follower[other] == one)
     return result

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from idviewer.core import Plane, section
 from idviewer.core.slice_mesh import SliceMesh, edges_of, slice_mesh, spacing_for, split
 from idviewer.session.cloud import Cloud
-from idviewer.session.middles import Middles, interpolated
+from idviewer.session.middles import Middles, combined, interpolated
 from idviewer.session.sampler import COARSE, FINE, Sampler
 
 Floats = NDArray[np.float64]
@@ -25,7 +25,7 @@ COARSEST = 400
 LEVELS = 3
 """Levels with a lattice of their own, each half as wide as the one before."""
 
-EXTRA = 260
+EXTRA = 320
 """Middles of edges sampled for the first frame besides, where interpolating would be worst."""
 
 CHECKED = 30
@@ -80,11 +80,11 @@ class PlaneSamples:
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
         self.section = section(sampler.solver.mesh, plane)
-        self._outline_rows = self.section.interpolate(sampler.solver.basis)
+        shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
+        self._outline_rows = combined(self.section.edges, shares, sampler.solver.basis)
         self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
         self.levels = self._lattices if sampler.exact_always else self._lattices + 1
         self._spacing = spacing_for(self.section, COARSEST)
-        self._weights = sampler.solver.scale
         self._kept = _Kept(0.0, self._outline_rows.shape[1])
         self._done: tuple[int, SampledSlice] | None = None
         self._making: tuple[int, Steps] | None = None
@@ -174,7 +174,7 @@ class PlaneSamples:
     def _refined(self, mesh: SliceMesh, rows: Floats) -> Steps:
         """The mesh with the middles of all edges added, sampled where they matter, elsewhere interpolated."""
         ends, sides = edges_of(len(rows), mesh.triangles)
-        middles = interpolated(mesh, ends, rows, self._weights)
+        middles = interpolated(mesh, ends, rows, self._sampler.telling(rows))
         yield
         chosen = _worst_and_some(_around(middles.expected, sides) * _lengths(mesh, ends))
         sampled = yield from self._rows_between(mesh, middles.at(chosen), 0)
@@ -190,7 +190,7 @@ class PlaneSamples:
         band = mesh.triangles[in_band]
         ends, sides = edges_of(len(rows), band)
         steep = np.flatnonzero(ends[:, 0] < len(self._outline_rows))
-        middles = interpolated(mesh, ends[steep], rows, self._weights)
+        middles = interpolated(mesh, ends[steep], rows, self._sampler.telling(rows))
         order = np.argsort(-middles.expected, kind="stable")[: int(BAND_SHARE * len(mesh.nodes))]
         chosen = np.sort(order[middles.expected[order] > 0.0])
         added = middles.at(chosen)

@@ -18,6 +18,12 @@ QUICK_FACES = 4000
 COARSE, FINE = 1.2e-3, 1.5e-4
 """Tolerances of samples, in largest distances on the slice; about three times the largest error seen."""
 
+TELLING = 0.03
+"""Columns that weigh less than this share of the heaviest do not tell where errors are large."""
+
+ENOUGH = 200
+"""So many points of an outline tell how large the distances on a slice are."""
+
 FINEST = 2e-5
 """The smallest tolerance there is a tree for, in largest distances on the mesh."""
 
@@ -38,6 +44,14 @@ class Sampler:
         self._scales = np.stack([one.scale * np.ones(solver.basis.shape[1]) for one in common], axis=1)
         self._radii = self._radii_of(solver.basis)
         self._preparation = self._prepare()
+        sizes = np.abs(self._scales[:, 0]) * np.linalg.norm(
+            solver.basis[:: max(1, len(solver.basis) // 500)], axis=0
+        )
+        self._columns = np.flatnonzero(sizes >= TELLING * sizes.max())
+
+    def telling(self, rows: Floats) -> Floats:
+        """Of rows (p, k), scaled, the columns that make up most of the solver's own distance."""
+        return rows[:, self._columns] * self._scales[self._columns, 0]
 
     def sample_steps(self, points: ArrayLike, rtol: float) -> Generator[float, None, Floats]:
         """The basis at points (p, 3), within rtol of the largest distance on the mesh; 0 is exact."""
@@ -49,7 +63,8 @@ class Sampler:
         """The rtol that is such a share of the distances on a slice with these rows on its outline."""
         if self.exact_always or len(outline) == 0:
             return 0.0
-        ratio = float((self._radii_of(outline) / self._radii).min())
+        some = outline[:: -(-len(outline) // ENOUGH)]
+        ratio = float((self._radii_of(some) / self._radii).min())
         return float(np.clip(share * ratio, FINEST, share))
 
     def prepare_steps(self) -> Generator[float, None, None]:
