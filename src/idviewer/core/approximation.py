@@ -22,7 +22,7 @@ FINEST = 5e-6
 """For smaller tolerances the exact loop over all faces is about as quick, and single precision ends."""
 
 AIMS = 0.7, 0.07
-"""Shares of the tolerance that are aimed at, one after the other; points that fail the check twice are exact."""
+"""Shares of the tolerance that are aimed at, one after the other; points that fail both checks are exact."""
 
 NEGLIGIBLE = 0.2
 """Share of the tolerance up to which columns that count little are left out, as zeros."""
