@@ -14,6 +14,7 @@ from idviewer.core.rays import Ray, crossings, middle_of_first_chord
 from idviewer.session.state import Frame, Slice
 
 Floats = NDArray[np.float64]
+_LEFT, _RIGHT, _BELOW, _ABOVE = np.array([1, 2, 4, 8], np.uint8)
 Target = Literal["slice-or-body", "surface", "chord"]
 
 
@@ -66,27 +67,27 @@ class _Locator:
         self.slice = slice_
 
     @cached_property
-    def _corners(self) -> Floats:
-        """(3, 2, t) the triangles' corners in the plane's basis."""
-        flat = (self.slice.points - np.array(self.slice.plane.origin)) @ self.slice.plane.basis.T
-        return np.ascontiguousarray(flat[self.slice.triangles].transpose(1, 2, 0))
+    def _flat(self) -> Floats:
+        """(2, p) the slice's points in the plane's basis."""
+        return self.slice.plane.basis @ self.slice.points.T
 
     def value_at(self, point: Floats) -> float | None:
         """The value at a point of the plane; None outside the section."""
-        if len(self.slice.triangles) == 0:
-            return None
-        x, y = self.slice.plane.basis @ (point - np.array(self.slice.plane.origin))
-        (ax, ay), (bx, by), (cx, cy) = self._corners
-        weights = np.stack(
-            [
-                (bx - x) * (cy - y) - (by - y) * (cx - x),
-                (cx - x) * (ay - y) - (cy - y) * (ax - x),
-                (ax - x) * (by - y) - (ay - y) * (bx - x),
-            ]
-        )
+        at = self.slice.plane.basis @ point
+        triangles = _around(at, self._flat, self.slice.triangles)
+        (ax, bx, cx), (ay, by, cy) = self._flat[:, triangles.T] - at[:, None, None]
+        weights = np.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
         total = weights.sum(axis=0)
         inside = np.flatnonzero((weights >= 0.0).all(axis=0) & (total > 0.0))
         if len(inside) == 0:
             return None
         first = inside[0]
-        return float(weights[:, first] / total[first] @ self.slice.values[self.slice.triangles[first]])
+        return float(weights[:, first] / total[first] @ self.slice.values[triangles[first]])
+
+
+def _around(at: Floats, points: Floats, triangles: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Those triangles of points (2, p) whose bounding boxes hold a position (2,): a few of very many."""
+    (x, y), (xs, ys) = at, points
+    sides = (xs < x) * _LEFT | (xs > x) * _RIGHT | (ys < y) * _BELOW | (ys > y) * _ABOVE
+    a, b, c = (sides[triangles[:, corner]] for corner in range(3))
+    return triangles[(a & b & c) == 0]
