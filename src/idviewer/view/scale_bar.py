@@ -39,6 +39,7 @@ class ScaleBar:
         self._bar = _flat(self._colors, layer=0)
         self._ruling = _flat(self._lines, layer=1)
         self._ruling.GetProperty().SetColor(INK)
+        self._shown: tuple[object, ...] | None = None
 
     @property
     def actors(self) -> tuple[vtkProp, ...]:
@@ -47,6 +48,7 @@ class ScaleBar:
 
     def hide(self) -> None:
         """Shows nothing."""
+        self._shown = None
         for actor in self.actors:
             actor.VisibilityOff()
 
@@ -58,7 +60,14 @@ class ScaleBar:
         isolines: int,
         scale: float,
     ) -> None:
-        """Shows a range of values in (n, 3) colours from low to high; scale is device pixels in a pixel."""
+        """Shows a range of values in (n, 3) colours from low to high; scale is device pixels in a pixel.
+
+        What is shown already costs nothing.
+        """
+        wanted = (title, value_range, rgb.tobytes(), isolines, scale)
+        if wanted == self._shown:
+            return
+        self._shown = wanted
         low, high = value_range
         ticks, texts, factor = nice_labels(low, high)
         heights = HEIGHT * ((ticks - low) / (high - low) - 0.5) if high > low else np.zeros(len(ticks))
