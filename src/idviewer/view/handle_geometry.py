@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Plane
-from idviewer.view.camera import Projection, rotate, unit
+from idviewer.view.camera import Projection, cross, rotate, unit
 
 RADIUS = 64.0
 """The ring's, in pixels."""
@@ -24,6 +24,8 @@ ARROW = 1.6
 """The arrow's half length, in ring radii."""
 GAP, ARROW_GAP = 0.22, 0.42
 """The small ring's radius and where the arrow begins, in ring radii; the middle is free for the source."""
+FARTHEST = 2.2
+"""No part is farther from the middle on the screen, in ring radii, also where it comes near to the eye."""
 REACH = 7.0
 """How near, in pixels, the mouse must be to a part."""
 FORESHORTENED = 0.2
@@ -83,20 +85,23 @@ class Handle:
     def sight(self) -> NDArray[np.float64]:
         """(3, 3) unit vectors at the origin: to the right, upwards, towards the eye."""
         back = unit(self.eye - self.origin)
-        right = unit(np.cross(self.up, back))
-        return np.array([right, np.cross(back, right), back])
+        right = unit(cross(self.up, back))
+        return np.array([right, cross(back, right), back])
 
     @cached_property
     def foreshortened(self) -> bool:
         """Whether the arrow would point so much to the eye that it hid the middle."""
-        return float(np.linalg.norm(np.cross(self.sight[2], self.normal))) < FORESHORTENED
+        return float(np.linalg.norm(cross(self.sight[2], self.normal))) < FORESHORTENED
 
     def part_at(self, x: float, y: float) -> Part | None:
         """The part under the mouse."""
         mouse = np.array([x, y])
         middle = self.projection.project([self.origin])[0]
-        if np.linalg.norm(mouse - middle) < GAP * RADIUS + 1:
+        away = np.linalg.norm(mouse - middle)
+        if away < GAP * RADIUS + 1:
             return Part.MOVE
+        if away > FARTHEST * RADIUS:
+            return None
         if not self.foreshortened and _to_polyline(mouse, self.projection.project(self.arrow))[0] < REACH:
             return Part.PUSH
         if _to_polyline(mouse, self.projection.project(self.ring))[0] < REACH:
@@ -156,7 +161,7 @@ class Handle:
         def turn(x: float, y: float, snap: bool = False) -> Plane:
             moved = flat + (np.array([x, y]) - start) * [1, -1] / RADIUS
             to = _bend(moved, side)
-            axis = np.cross(grabbed, to)
+            axis = cross(grabbed, to)
             angle = np.arctan2(np.linalg.norm(axis), grabbed @ to)
             if np.linalg.norm(axis) < 1e-9:  # not moved at all, or to the opposite point, around whatever
                 axis = np.array([-grabbed[1], grabbed[0], 1e-9])

@@ -9,6 +9,7 @@ from pyvistaqt import QtInteractor
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
+from idviewer.view.camera import cross
 from idviewer.view.handle_geometry import ARROW, ARROW_GAP, GAP, Handle, Part
 
 CALM, HOT = "#3c4654", "#ff8c1a"
@@ -30,7 +31,9 @@ class PlaneHandle:
         self._layer.SetLayer(self._window.GetNumberOfLayers() - 1)
         self._actors = {part: _actor(mesh) for part, mesh in _shapes().items()}
         self._halos = {part: _halo(mesh) for part, mesh in _shapes(MARGIN).items()}
+        self._pose = vtkMatrix4x4()
         for actor in self._everything():
+            actor.SetUserMatrix(self._pose)
             self._layer.AddActor(actor)
         self._window.AddRenderer(self._layer)
         self.show(False)
@@ -46,9 +49,7 @@ class PlaneHandle:
 
     def place(self, handle: Handle) -> None:
         """Puts the actors where the handle is, seen by the eye that sees the scene."""
-        matrix = _matrix(handle)
-        for actor in self._everything():
-            actor.SetUserMatrix(matrix)
+        self._pose.DeepCopy(_matrix(handle))
         for actor in (self._actors[Part.PUSH], self._halos[Part.PUSH]):
             actor.visibility = not handle.foreshortened
         camera = self._layer.GetActiveCamera()
@@ -114,11 +115,9 @@ def _torus(radius: float, thickness: float) -> pv.PolyData:
     return torus.compute_normals(auto_orient_normals=True)
 
 
-def _matrix(handle: Handle) -> vtkMatrix4x4:
+def _matrix(handle: Handle) -> list[float]:
     right = np.asarray(handle.plane.basis)[0]
     pose: NDArray[np.float64] = np.eye(4)
-    pose[:3, :3] = handle.radius * np.column_stack([right, np.cross(handle.normal, right), handle.normal])
+    pose[:3, :3] = handle.radius * np.column_stack([right, cross(handle.normal, right), handle.normal])
     pose[:3, 3] = handle.origin
-    matrix = vtkMatrix4x4()
-    matrix.DeepCopy(pose.ravel().tolist())
-    return matrix
+    return pose.ravel().tolist()
