@@ -30,7 +30,7 @@ from tests.view.windows import (
 from trimesh import Trimesh
 
 from idviewer.session.pipeline import Pipeline
-from idviewer.view.window import MainWindow
+from idviewer.view.window import EMPTY_HINT, HINT, MainWindow
 
 pytestmark = pytest.mark.slow
 
@@ -67,6 +67,15 @@ def drop(window: MainWindow, *paths: Path) -> None:
 
 
 # Opening
+
+
+def test_the_hint_says_what_to_do_next(qtbot: QtBot, mouse: Mouse, ellipsoid: Path) -> None:
+    window = show_window(qtbot)
+    mouse.move(window.status, 5, 5)  # not over the picture
+    assert window.status.probe.text() == EMPTY_HINT
+    window.open(ellipsoid)
+    wait_until_done(qtbot, window.session)
+    assert window.status.probe.text() == HINT
 
 
 def test_the_final_frame_is_exact_and_fills_the_slice(qtbot: QtBot, ellipsoid: Path) -> None:
@@ -196,7 +205,7 @@ def test_the_body_shows_at_once_and_work_can_be_cancelled_and_resumed(
     empty = pixels_of(window)
     window.open(ellipsoid)
     qtbot.waitUntil(window.status.bar.isVisible)
-    assert window.status.stage.text() == "Waiting at the gate"
+    qtbot.waitUntil(lambda: window.status.stage.text() == "Waiting at the gate")
     assert window.status.bar.value() == 500
     qtbot.waitUntil(lambda: np.abs(pixels_of(window).astype(int) - empty).max(axis=2).mean() > 1)
     assert window.session.frame is None

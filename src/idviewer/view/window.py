@@ -121,6 +121,7 @@ class MainWindow(QMainWindow):
     def _on_changed(self, old: State, new: State) -> None:
         if new.mesh is not old.mesh:
             self.status.show_mesh(new.mesh)
+            self._show_probe(None)
             self.viewport.show_frame(self.session.frame)
         self.viewport.show_state(new)
         self.panel.show_state(new, self.session.frame)
