@@ -147,8 +147,10 @@ class PlanesGroup(QGroupBox):
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state without calling anything."""
-        self._state = state
         self._source = frame.source if frame is not None and frame.mesh is state.mesh else None
+        if state is self._state:
+            return  # only another frame of it
+        self._state = state
         planes, plane = state.query.planes, self.plane
         names = [f"Plane {n} ({axis_of(plane) or 'tilted'})" for n, plane in enumerate(planes, 1)]
         if names != [self.list.itemText(index) for index in range(self.list.count())]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QEnterEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 from pyvistaqt import QtInteractor
@@ -71,6 +71,9 @@ class Viewport(QWidget):
         self._pointed: Part | None = None
         self._smoothing: int | None = None
         self._closed = False
+        # Once for all frames since the last turn of the event loop, and after the draw, which comes first.
+        self._look_again = QTimer(self, singleShot=True, interval=0)
+        self._look_again.timeout.connect(self._rest)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         layout = QVBoxLayout(self)
@@ -94,8 +97,7 @@ class Viewport(QWidget):
         """Shows what the frame says."""
         self._scene.show_frame(frame)
         self.request_draw()
-        if self._press is None and self._mouse is not None:
-            self._hover(self._mouse)
+        self._look_again.start()
 
     def request_draw(self) -> None:
         """Has the picture drawn once when the event loop gets to it, however often this is called."""
@@ -118,6 +120,7 @@ class Viewport(QWidget):
         if self._closed:
             return
         self._closed = True
+        self._look_again.stop()
         for subject, tag in self._observers:
             subject.RemoveObserver(tag)
         self._observers.clear()
@@ -255,6 +258,11 @@ class Viewport(QWidget):
         part = handle.part_at(at.x(), at.y()) if handle is not None else None
         self._point_out(part)
         self.hovered.emit(None if part else self.projection.ray(at.x(), at.y()))
+
+    def _rest(self) -> None:
+        """What lies under a mouse that has not moved since the last frame."""
+        if self._press is None and self._mouse is not None:
+            self._hover(self._mouse)
 
     def _point_out(self, part: Part | None) -> None:
         if part is self._pointed:
