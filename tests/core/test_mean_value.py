@@ -8,8 +8,9 @@ import vtk
 from tests.core import mean_value_twin, shapes
 from vtk.util.numpy_support import numpy_to_vtk
 
-from idviewer.core.mean_value import MeanValueCoordinates, as_points, mean_value_weights
+from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh
+from idviewer.core.shape import as_points
 from idviewer.core.steps import finish
 
 
@@ -190,4 +191,4 @@ def test_odd_points():
     assert mean_value_weights(mesh, np.empty((0, 3))).shape == (0, 8)
     assert np.isnan(mean_value_weights(mesh, [[np.nan, 0, 0], [np.inf, 0, 0], [1e300, 0, 0]])).all()
     with pytest.raises(ValueError, match=r"shape \(p, 3\), not \(3,\)"):
-        as_points([1.0, 2.0, 3.0])
+        as_points([1.0, 2.0, 3.0], 3)

@@ -13,8 +13,9 @@ from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.laplacian import voronoi_areas
-from idviewer.core.mean_value import MeanValueCoordinates, as_points
+from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.mesh import Mesh
+from idviewer.core.shape import as_points
 from idviewer.core.spectrum import Spectrum, eigenpairs
 from idviewer.core.steps import finish
 
@@ -154,7 +155,7 @@ class InteriorDistance:
         Returns:
             (p, k), NaN for points outside the mesh.
         """
-        points, rtol = as_points(points), self.rtol if rtol is None else rtol
+        points, rtol = as_points(points, self.mesh.dimension), self.rtol if rtol is None else rtol
         if rtol == 0.0:
             return (yield from self.coordinates.interpolate_steps(points, self.basis))
         steps = self._approximation(weights).interpolate_steps(points, OF_A_POINT * rtol)
@@ -280,7 +281,7 @@ def interior_distance(mesh: Mesh, p: ArrayLike, q: ArrayLike, distance: Distance
     >>> interior_distance(hand, hand.vertices[:1], hand.vertices[:1]).tolist()
     [0.0]
     """
-    points = np.concatenate([as_points(p), as_points(q)])
+    points = np.concatenate([as_points(p, mesh.dimension), as_points(q, mesh.dimension)])
     images = InteriorDistance(mesh, distance).embed(points)
-    count = len(as_points(p))
+    count = len(as_points(p, mesh.dimension))
     return np.linalg.norm(images[:count] - images[count:], axis=1)

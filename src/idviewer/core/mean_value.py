@@ -13,6 +13,7 @@ from idviewer.core import _kernels
 from idviewer.core._kernels.surface import curve_order, patched
 from idviewer.core.approximation import Approximation
 from idviewer.core.mesh import Mesh
+from idviewer.core.shape import as_points
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -66,7 +67,7 @@ class MeanValueCoordinates:
         Returns:
             (p, n) rows that sum to 1; NaN for points outside the mesh.
         """
-        points = as_points(points)
+        points = as_points(points, 3)
         result = np.empty((len(points), self._vertex_count))
         for chosen, packed in self._batches(points, len(points)):
             places = np.full((len(packed), _kernels.LANES), -1)
@@ -89,7 +90,7 @@ class MeanValueCoordinates:
         Returns:
             (p, k), NaN for points outside the mesh.
         """
-        points = as_points(points)
+        points = as_points(points, 3)
         columns = self._columns(values)
         result = np.empty((len(points), values.shape[1]))
         done = 0
@@ -208,11 +209,3 @@ def mean_value_weights(mesh: Mesh, points: ArrayLike) -> Floats:
     [[1.0, 0.0, 0.0, 0.0], [nan, nan, nan, nan]]
     """
     return MeanValueCoordinates(mesh).weights(points)
-
-
-def as_points(points: ArrayLike) -> Floats:
-    """points as (p, 3) float64; a ValueError names any other shape."""
-    array = np.asarray(points, dtype=np.float64)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"points must have shape (p, 3), not {array.shape}")
-    return array

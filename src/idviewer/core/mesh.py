@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,12 @@ from idviewer.core._mending import side_vectors, volume_and_area
 from idviewer.core._patches import Patches
 from idviewer.core._polygons import Polygons
 from idviewer.core._topology import Topology
+from idviewer.core.shape import ShapeError
 
 AnyArray = TypeVar("AnyArray", bound=np.ndarray)
 
 
-class MeshError(ValueError):
+class MeshError(ShapeError):
     """A mesh that cannot be read or used; one line says what is wrong, how much of it, where, and what to do.
 
     Attributes:
@@ -72,6 +73,8 @@ class Mesh:
     >>> round(mesh.volume, 4), len(mesh.edges)
     (0.1667, 6)
     """
+
+    dimension: ClassVar[int] = 3
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]

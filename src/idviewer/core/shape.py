@@ -1,0 +1,58 @@
+"""What the shapes that have an interior share: triangle meshes in space, polygons in the plane."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class ShapeError(ValueError):
+    """A shape that cannot be read or used; one line says what is wrong, where, and what to do."""
+
+
+class Shape(Protocol):
+    """A boundary with vertices, and the interior that it encloses.
+
+    Attributes:
+        dimension: of the space, 2 or 3.
+        name: for titles.
+    """
+
+    dimension: ClassVar[int]
+
+    @property
+    def name(self) -> str:
+        """For titles; file name without its suffix."""
+
+    @property
+    def vertices(self) -> Floats:
+        """(n, dimension), read-only."""
+
+    @property
+    def edges(self) -> Ints:
+        """(e, 2) vertices of each edge of the boundary."""
+
+    @property
+    def bounds(self) -> Floats:
+        """(2, dimension) lowest and highest corner of the bounding box."""
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal."""
+
+
+def as_points(points: ArrayLike, dimension: int) -> Floats:
+    """points as (p, dimension) float64; a ValueError names any other shape.
+
+    >>> as_points([[0, 1, 2]], 3).shape
+    (1, 3)
+    """
+    array = np.asarray(points, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != dimension:
+        raise ValueError(f"points must have shape (p, {dimension}), not {array.shape}")
+    return array
