@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from idviewer.core._kernels.arrival import Target
 from idviewer.core.cluster_tree import ClusterTree
 
 if TYPE_CHECKING:
@@ -60,12 +61,13 @@ class Approximation:
         result = np.zeros((len(points), self._values.shape[1]))
         places = self._coordinates.normalised(points)
         # All that is farther out than the corners of the bounding box is outside.
-        left = np.flatnonzero(np.abs(places).max(axis=1, initial=0.0) <= 0.5)
-        result[np.setdiff1d(np.arange(len(points)), left)] = np.nan
+        near = np.abs(places).max(axis=1, initial=0.0) <= 0.5
+        result[~near] = np.nan
+        left = np.flatnonzero(near)
         for aim in AIMS:
-            values, doubtful = yield from tree.interpolate_steps(places[left], aim * tolerance, tolerance)
-            result[np.ix_(left, columns)] = values
-            result[left[np.isnan(values).any(axis=1)]] = np.nan
+            doubtful = np.zeros(len(left), dtype=np.bool_)
+            target = Target(left, columns, result, doubtful)
+            yield from tree.interpolate_steps(places[left], aim * tolerance, tolerance, target)
             left = left[doubtful]
             if len(left) == 0:
                 return result

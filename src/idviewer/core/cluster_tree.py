@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core._kernels import LANES, thread_count
+from idviewer.core._kernels.arrival import FIRST_VALUE, POSITION, Target
 from idviewer.core._kernels.clusters import RECORD, Nodes, records_of, sum_level, sum_subtrees
 from idviewer.core._kernels.descent import Tree, descend, nearness_of
 from idviewer.core._kernels.expansion import COEFFICIENTS, ORDER, TABLES
@@ -30,8 +31,14 @@ FACTORS_OF_A_NODE = 8
 CHUNK = 1024
 """Most points that go down the tree together."""
 
-CHUNKS_OF_A_WORKER = 2
-"""Between two checkpoints; few points are cut into so many chunks too, so that all workers have some."""
+LEAST_CHUNK = 128
+"""Smaller chunks cost more than an idle worker."""
+
+AT_ONCE = 2048
+"""Points between two checkpoints: about 10 ms on two cores."""
+
+EVEN = 1.5
+"""A worker takes one part in so many of its even share of what is left."""
 
 SHARE = 0.08
 """Part of a node's error that left out factors may cause."""
@@ -46,11 +53,11 @@ class ClusterTree:
     Use `build_steps`. Source: docs/cluster_tree.md.
     """
 
-    def __init__(self, tree: Tree, nodes: Nodes, columns: int, on_surface: float) -> None:
-        self._tree, self._columns, self._on_surface = tree, columns, on_surface
+    def __init__(self, tree: Tree, nodes: Nodes, on_surface: float) -> None:
+        self._tree, self._on_surface = tree, on_surface
         self.nodes = nodes
         self._workers = thread_count()
-        self._room = rooms(tree.leaves, CHUNK, self._workers)
+        self._room = rooms(tree.leaves, tree.values.shape[1], CHUNK, self._workers)
 
     @classmethod
     def build_steps(
@@ -74,11 +81,11 @@ class ClusterTree:
         depth = max(0, math.ceil(math.log2(len(faces) / LANES)))
         ordered = faces[halved(positions[faces].mean(axis=1), depth)]
         yield 0.1
-        columns = 4 + values.shape[1]
+        columns = FIRST_VALUE + values.shape[1]
         table = np.zeros((len(positions), -(-columns // LANES) * LANES))
-        table[:, 0], table[:, 1:4], table[:, 4:columns] = 1.0, positions, values
+        table[:, 0], table[:, POSITION:FIRST_VALUE], table[:, FIRST_VALUE:columns] = 1.0, positions, values
         counts = np.zeros(table.shape[1])
-        counts[:4], counts[4:columns] = 1.0, weights
+        counts[:FIRST_VALUE], counts[FIRST_VALUE:columns] = 1.0, weights
         plan = Plan(tolerance * LEAST_TOTAL, SHARE, TABLES)
         source = Source(positions, ordered, table, counts, depth)
         nodes, factors = yield from _summed(source, plan)
@@ -89,57 +96,40 @@ class ClusterTree:
         rows[:] = table[leaves.vertices]
         records = aligned((2 << depth, RECORD))
         records[:] = records_of(nodes)
-        return cls(Tree(depth, records, factors, leaves, rows), nodes, columns, on_surface)
+        return cls(Tree(depth, records, factors, leaves, rows), nodes, on_surface)
 
     def interpolate_steps(
-        self, points: Floats, tolerance: float, bound: float
-    ) -> Generator[float, None, tuple[Floats, NDArray[np.bool_]]]:
-        """Values at points, and which of them are not certain to be within the tolerance.
+        self, points: Floats, tolerance: float, bound: float, target: Target
+    ) -> Generator[float, None, None]:
+        """Carry the values to points; yields the share done.
 
         Args:
             points: (p, 3) in the unit of the positions.
             tolerance: error aimed at, as measured with the tree's weights.
-            bound: error above which a point is uncertain.
-
-        Returns:
-            (p, k), NaN for points that are certainly outside, and (p,).
+            bound: error above which a point is doubtful.
+            target: where the values go, NaN for points that are certainly outside.
         """
-        result = np.empty((len(points), self._columns))
-        inside = np.empty(len(points), dtype=np.bool_)
-        at_once = CHUNKS_OF_A_WORKER * self._workers
-        size = min(CHUNK, max(LANES, -(-len(points) // at_once)))
-        depth = max(0, math.ceil(math.log2(max(len(points), 1) / size)))
-        levels_below = math.ceil(math.log2(size / LANES))
-        order = halved(points, depth + levels_below)
-        ends = (len(points) * np.arange((1 << depth) + 1)) >> depth
-        for start in range(0, 1 << depth, at_once):
-            some = ends[start : start + at_once + 1]
-            places = order[some[0] : some[-1]]
-            result[places], inside[places] = self._of_chunks(points[places], some - some[0], tolerance)
-            yield some[-1] / max(len(points), 1)
-        off = np.abs(result[:, 1:4] - points).max(axis=1)
-        doubtful = ~(DOUBT * off <= bound)
-        result[~inside & ~doubtful] = np.nan
-        return result[:, 4:], doubtful
+        order = halved(points, max(0, math.ceil(math.log2(max(len(points), 1) / LANES))))
+        for start in range(0, len(points), AT_ONCE):
+            places = order[start : start + AT_ONCE]
+            descend(
+                points[places],
+                _cuts(len(places), self._workers),
+                *self._tree,
+                *(tolerance, SHARE, self._on_surface, nearness_of(tolerance), DOUBT, bound),
+                *(self._room, np.zeros(1, dtype=np.int64), places, target),
+            )
+            yield (start + len(places)) / len(points)
 
-    def _of_chunks(self, points: Floats, chunks: Ints, tolerance: float) -> tuple[Floats, NDArray[np.bool_]]:
-        """Values at points (p, 3), and which are inside."""
-        sums = aligned((len(points), self._tree.values.shape[1]))
-        touched = np.zeros(len(points), dtype=np.uint8)
-        rows, linear = np.empty((len(points), 3), dtype=np.int64), np.empty((len(points), 3))
-        descend(
-            points,
-            chunks,
-            *self._tree,
-            *(tolerance, SHARE, self._on_surface, nearness_of(tolerance)),
-            *(self._room, touched, rows, linear, sums),
-        )
-        inside = sums[:, 0] > 0.0
-        with np.errstate(invalid="ignore", divide="ignore"):
-            values = sums[:, : self._columns].astype(np.float64) / sums[:, :1]
-        on = touched != 0
-        values[on] = np.einsum("pc,pck->pk", linear[on], self._tree.values[rows[on]][..., : self._columns])
-        return values, inside | on
+
+def _cuts(count: int, workers: int) -> Ints:
+    """Where chunks begin, and the end; they become smaller, so that workers finish together."""
+    cuts = [0]
+    while cuts[-1] < count:
+        left = count - cuts[-1]
+        size = min(CHUNK, max(LEAST_CHUNK, int(left / (EVEN * workers)) // LANES * LANES))
+        cuts.append(min(count, cuts[-1] + size))
+    return np.array(cuts)
 
 
 def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, Factors]]:

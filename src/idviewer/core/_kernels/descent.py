@@ -12,8 +12,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from idviewer.core._kernels.arrival import hand_over
 from idviewer.core._kernels.clusters import BOUND, CLEAR, FIRST, RANK_AT, RECORD
-from idviewer.core._kernels.expansion import COEFFICIENTS, COUNTS, ORDER, expand
+from idviewer.core._kernels.expansion import COUNTS, ORDER, expand
 from idviewer.core._kernels.faces import OPTIONS, PLAIN
 from idviewer.core._kernels.factors import Factors
 from idviewer.core._kernels.lanes import LANES, at, bits, load, prefetch, splat, store
@@ -28,7 +29,9 @@ from idviewer.core._kernels.point_lists import (
     pick,
     split,
 )
+from idviewer.core._kernels.products import add_product, amounts_of
 from idviewer.core._kernels.room import Room
+from idviewer.core._kernels.turns import take_turn
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -51,62 +54,6 @@ class Tree(NamedTuple):
     factors: Factors
     leaves: Leaves
     values: Floats32
-
-
-@numba.njit(**PLAIN)
-def _amounts(shapes, first, end, count, basis, amounts):  # type: ignore[no-untyped-def]
-    """amounts = shapes[first:end, :count] @ basis[:count], four sums at a time."""
-    row = first
-    while row < end:
-        pair = row + 1 if row + 1 < end else row
-        a, b = splat(np.float32(0.0)), splat(np.float32(0.0))
-        c, d = splat(np.float32(0.0)), splat(np.float32(0.0))
-        i, j = row * COEFFICIENTS, pair * COEFFICIENTS
-        t = 0
-        while t + 1 < count:
-            even, odd = load(basis, t * LANES), load(basis, (t + 1) * LANES)
-            a, b = a + at(shapes, i + t) * even, b + at(shapes, i + t + 1) * odd
-            c, d = c + at(shapes, j + t) * even, d + at(shapes, j + t + 1) * odd
-            t += 2
-        if t < count:
-            even = load(basis, t * LANES)
-            a, c = a + at(shapes, i + t) * even, c + at(shapes, j + t) * even
-        store(amounts, (row - first) * LANES, a + b)
-        store(amounts, (pair - first) * LANES, c + d)
-        row += 2
-
-
-@numba.njit(**PLAIN)
-def _add_product(amounts, rows, first, end, list_, start, stop, sums):  # type: ignore[no-untyped-def]
-    """sums[point i] += amounts[: end - first, i - start] @ rows[first:end] for places start to stop - 1.
-
-    Four rows at a time stay in registers while the points pass by.
-    """
-    width = rows.shape[1]
-    for column in range(0, width, LANES):
-        row = first
-        while row + 4 <= end:
-            a, b = load(rows, row * width + column), load(rows, (row + 1) * width + column)
-            c, d = load(rows, (row + 2) * width + column), load(rows, (row + 3) * width + column)
-            for i in range(start, stop):
-                place, amount = np.int64(list_[ID, i]) * width + column, (row - first) * LANES + i - start
-                sum_ = load(sums, place)
-                sum_ = sum_ + at(amounts, amount) * a + at(amounts, amount + LANES) * b
-                sum_ = sum_ + at(amounts, amount + 2 * LANES) * c + at(amounts, amount + 3 * LANES) * d
-                store(sums, place, sum_)
-            row += 4
-        if row + 2 <= end:
-            a, b = load(rows, row * width + column), load(rows, (row + 1) * width + column)
-            for i in range(start, stop):
-                place, amount = np.int64(list_[ID, i]) * width + column, (row - first) * LANES + i - start
-                both = at(amounts, amount) * a + at(amounts, amount + LANES) * b
-                store(sums, place, load(sums, place) + both)
-            row += 2
-        if row < end:
-            a = load(rows, row * width + column)
-            for i in range(start, stop):
-                place, amount = np.int64(list_[ID, i]) * width + column, (row - first) * LANES + i - start
-                store(sums, place, load(sums, place) + at(amounts, amount) * a)
 
 
 @numba.njit(**PLAIN)
@@ -165,7 +112,7 @@ def _add_near(points, list_, start, stop, leaves, values, leaf, tolerance, share
             for corner in range(3):
                 rows[point, corner] = first + leaves.rows[leaf, corner, on]
                 linear[point, corner] = shares[corner, on]
-    _add_product(weights, values, first, end, list_, start, stop, sums)
+    add_product(weights, values, first, end, list_, start, stop, sums)
 
 
 @numba.njit(**PLAIN)
@@ -192,11 +139,27 @@ def _fetch_leaf(leaves, values, leaf):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**PLAIN)
-def _descend(points, depth, records, factors, leaves, values, plan, room, touching, sums):  # type: ignore[no-untyped-def]
+def _descend(points, depth, records, factors, leaves, values, plan, room):  # type: ignore[no-untyped-def]
     """One chunk of points (c, 3) through the whole tree."""
     # Tuples are taken apart here, once: reading them inside of the loop costs more than the loop does.
     shapes, profiles, rests = factors
-    list_, active, held, counts, picked, basis, amounts, shares, weights, stack = room
+    (
+        list_,
+        active,
+        held,
+        counts,
+        picked,
+        basis,
+        amounts,
+        shares,
+        weights,
+        stack,
+        sums,
+        touched,
+        rows,
+        linear,
+    ) = room
+    touching = touched, rows, linear
     tolerance, share, on_surface, nearness = plan
     list_all(points, tolerance, depth, records, amounts[0], stack, list_, active[0])
     held[0], counts[0] = 0, -(-points.shape[0] // LANES)
@@ -230,8 +193,8 @@ def _descend(points, depth, records, factors, leaves, values, plan, room, touchi
             allowed, last = share * tolerance * LEAST_TOTAL * 2.0**octave, end
             while last > first + 1 and rests[last - 1] < allowed:
                 last -= 1
-            _amounts(shapes, first, last, COUNTS[degree], basis, amounts)
-            _add_product(amounts, profiles, first, last, picked, start, min(start + LANES, fars), sums)
+            amounts_of(shapes, first, last, COUNTS[degree], basis, amounts)
+            add_product(amounts, profiles, first, last, picked, start, min(start + LANES, fars), sums)
         if counts[level + 1] and level < depth:
             node, level = 2 * node, level + 1
             continue
@@ -246,12 +209,31 @@ def _descend(points, depth, records, factors, leaves, values, plan, room, touchi
         node, level = _next(node, level)
 
 
+@numba.njit(**PLAIN)
+def _take_chunks(  # type: ignore[no-untyped-def]
+    points, chunks, depth, records, factors, leaves, values, plan, checks, room, turn, order, target
+):  # fmt: skip
+    """One worker's share of the chunks."""
+    doubt, bound = checks
+    chunk = take_turn(turn)
+    while chunk < chunks.shape[0] - 1:
+        a, b = chunks[chunk], chunks[chunk + 1]
+        for place in range(0, (b - a) * values.shape[1], LANES):
+            store(room.sums, place, splat(np.float32(0.0)))
+        for i in range(b - a):
+            room.touched[i] = 0
+        _descend(points[a:b], depth, records, factors, leaves, values, plan, room)
+        touching = room.touched, room.rows, room.linear
+        hand_over(points[a:b], room.sums, touching, values, doubt, bound, order[a:b], target)
+        chunk = take_turn(turn)
+
+
 @numba.njit(parallel=True, cache=True, **OPTIONS)
 def descend(  # type: ignore[no-untyped-def]
     points, chunks, depth, records, factors, leaves, values,
-    tolerance, share, on_surface, nearness, room, touched, rows, linear, sums,
+    tolerance, share, on_surface, nearness, doubt, bound, room, turn, order, target,
 ):  # fmt: skip
-    """Sums of weights times values for many points, within a tolerance.
+    """Weights times values for many points, within a tolerance.
 
     Args:
         points: (p, 3), neighbours one after the other.
@@ -261,10 +243,9 @@ def descend(  # type: ignore[no-untyped-def]
         share: of that error which left out profiles may cause.
         on_surface: how near the surface a point counts as lying on it.
         nearness: (OCTAVES, ORDER + 1) float32; see `nearness_of`.
+        doubt, bound, order, target: see `hand_over`.
         room: see `rooms`.
-        touched: (p,) output, 1 for points on the surface; 0 at first.
-        rows, linear: (p, 3) output, the rows and shares of their linear interpolation.
-        sums: (p, k) float32 output, 0 at first.
+        turn: (1,) 0, counts the chunks that were begun.
     """
     workers = room.counts.shape[0]
     for worker in numba.prange(workers):
@@ -279,12 +260,16 @@ def descend(  # type: ignore[no-untyped-def]
             room.shares[worker],
             room.weights[worker],
             room.stack[worker],
+            room.sums[worker],
+            room.touched[worker],
+            room.rows[worker],
+            room.linear[worker],
         )
         plan = tolerance, share, on_surface, nearness
-        for chunk in range(worker, chunks.shape[0] - 1, workers):
-            a, b = chunks[chunk], chunks[chunk + 1]
-            touching = touched[a:b], rows[a:b], linear[a:b]
-            _descend(points[a:b], depth, records, factors, leaves, values, plan, own, touching, sums[a:b])
+        checks = doubt, bound
+        _take_chunks(
+            points, chunks, depth, records, factors, leaves, values, plan, checks, own, turn, order, target
+        )
 
 
 def nearness_of(tolerance: float) -> Floats32:

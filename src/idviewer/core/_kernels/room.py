@@ -17,6 +17,7 @@ from idviewer.core._kernels.point_lists import ROWS
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Ints = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
 
 CACHE_LINE = 64
 
@@ -38,6 +39,9 @@ class Room(NamedTuple):
         shares: (3, LANES) of the corners of a leaf's faces.
         weights: (rows of the largest leaf, LANES) float32 of a leaf's rows.
         stack: (2 LEVELS,) nodes that are still to be visited.
+        sums: (c, k) float32 of weights times values.
+        touched: (c,) 1 for points on the surface.
+        rows, linear: (c, 3) rows and shares of the linear interpolation of these.
     """
 
     list_: Floats32
@@ -50,6 +54,10 @@ class Room(NamedTuple):
     shares: Floats
     weights: Floats32
     stack: Ints
+    sums: Floats32
+    touched: Bytes
+    rows: Ints
+    linear: Floats
 
 
 def aligned(shape: tuple[int, ...], dtype: type = np.float32) -> Any:
@@ -60,8 +68,8 @@ def aligned(shape: tuple[int, ...], dtype: type = np.float32) -> Any:
     return memory[start : start + size].view(dtype).reshape(shape)
 
 
-def rooms(leaves: Leaves, points: int, workers: int) -> Room:
-    """Room for workers and chunks of so many points: every array has one more axis, in front."""
+def rooms(leaves: Leaves, width: int, points: int, workers: int) -> Room:
+    """Room for workers, for chunks and sums of a size: all arrays have one more axis in front."""
     rows = int(np.diff(leaves.first_row).max())
     size = (-(-points // LANES) + 1) * LANES
     return Room(
@@ -75,4 +83,8 @@ def rooms(leaves: Leaves, points: int, workers: int) -> Room:
         aligned((workers, 3, LANES), np.float64),
         aligned((workers, rows, LANES)),
         np.empty((workers, 2 * LEVELS), dtype=np.int64),
+        aligned((workers, points, width)),
+        np.empty((workers, points), dtype=np.uint8),
+        np.empty((workers, points, 3), dtype=np.int64),
+        np.empty((workers, points, 3)),
     )
