@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from idviewer.session.cloud import squares_of
 from idviewer.session.plane_samples import PlaneSamples, SampledSlice
 from idviewer.session.prepared import Prepared
+from idviewer.session.sampler import SEEN
 from idviewer.session.state import Frame, Point, Query, Slice
 
 Floats = NDArray[np.float64]
@@ -84,7 +85,8 @@ class Framing:
             slices=drawn,
             level=level,
             exact=all(one.final for one in slices) and self.settled and exact_points,
-            error=sampled_within * highest + PROBE_SAFETY * max(map(self._probed, slices), default=0.0),
+            error=SEEN * sampled_within * highest
+            + PROBE_SAFETY * max(map(self._probed, slices), default=0.0),
             source=np.array(source),
             barycentroid=np.array(barycentroid),
             value_range=(lowest, highest),
