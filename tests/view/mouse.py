@@ -102,6 +102,13 @@ class Mouse:
             self.move(widget, *(a + (b - a) * step / steps for a, b in zip(start, end, strict=True)))
         self.release(**how)  # type: ignore[arg-type]
 
+    def swing(self, widget: QWidget, way: list[tuple[float, float]]) -> None:
+        """Along the way with the button down, as fast as a hand: nothing waits for the window but the end."""
+        self._come(widget, *way[0])
+        moves = [("mousemove", *_device(widget, x, y), "sleep", 0.008) for x, y in way[1:]]
+        with self._arrives(QEvent.Type.MouseButtonRelease):
+            _xdotool("mousedown", 1, *(word for move in moves for word in move), "mouseup", 1)
+
     def drag_from_elsewhere(self, start: tuple[int, int], widget: QWidget, x: float, y: float) -> None:
         """From another program's window at `start`, in the X server's pixels, to a position of ours."""
         end = _device(widget, x, y)

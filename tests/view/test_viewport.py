@@ -13,11 +13,10 @@ import pytest
 from PySide6.QtCore import Qt
 from pytestqt.qtbot import QtBot
 from tests.view.mouse import Mouse
-from tests.view.windows import AXES, pixels_of, show_shape, wait_until_done, write_ellipsoid
+from tests.view.windows import AXES, grip, pixels_of, place, show_shape, wait_until_done, write_ellipsoid
 
 from idviewer.core import Plane
 from idviewer.view.handle_geometry import Part
-from idviewer.view.viewport import Viewport
 from idviewer.view.window import MainWindow
 
 COMPACT = (660, 460)
@@ -36,13 +35,6 @@ def mouse(qtbot: QtBot) -> Iterator[Mouse]:
 @pytest.fixture
 def window(qtbot: QtBot, tmp_path: Path) -> MainWindow:
     return show_shape(qtbot, write_ellipsoid(tmp_path))
-
-
-def place(viewport: Viewport, point: object) -> tuple[float, float]:
-    """The whole pixel in which a position is shown."""
-    scale = viewport.projection.scale
-    x, y = np.round(viewport.projection.project([point])[0] * scale) / scale
-    return float(x), float(y)
 
 
 def test_a_click_on_the_slice_puts_the_source_there(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
@@ -166,21 +158,6 @@ def test_the_wheel_zooms_towards_the_mouse(mouse: Mouse, window: MainWindow) -> 
     np.testing.assert_allclose(viewport.projection.project([beside])[0], [x, y], atol=1.0)
     mouse.wheel(viewport, x, y, -3)
     assert viewport.pose.distance == pytest.approx(distance)
-
-
-def grip(viewport: Viewport, part: Part) -> tuple[float, float]:
-    """Where the handle's part can be grabbed."""
-    handle = viewport.handle
-    assert handle is not None
-    if part is Part.PUSH:
-        point = handle.origin + 0.8 * (handle.arrow[1] - handle.origin)
-    elif part is Part.MOVE:
-        point = handle.origin
-    else:
-        point = handle.ring[10]
-    x, y = place(viewport, point)
-    assert handle.part_at(x, y) is part
-    return x, y
 
 
 def test_the_arrow_pushes_the_slice_live(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:

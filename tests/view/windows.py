@@ -18,6 +18,8 @@ from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Work
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, FrameRequest, Progress, Request, Result
+from idviewer.view.handle_geometry import Part
+from idviewer.view.viewport import Viewport
 from idviewer.view.window import MainWindow
 
 SIZE = (1000, 640)
@@ -126,3 +128,25 @@ def told(qtbot: QtBot, window: MainWindow, *words: str) -> str:
     """The message bar's text, once it holds these words."""
     qtbot.waitUntil(lambda: all(word in window.messages.text for word in words))
     return window.messages.text
+
+
+def place(viewport: Viewport, point: object) -> tuple[float, float]:
+    """The whole pixel in which a position is shown."""
+    scale = viewport.projection.scale
+    x, y = np.round(viewport.projection.project([point])[0] * scale) / scale
+    return float(x), float(y)
+
+
+def grip(viewport: Viewport, part: Part) -> tuple[float, float]:
+    """Where the handle's part can be grabbed."""
+    handle = viewport.handle
+    assert handle is not None
+    if part is Part.PUSH:
+        point = handle.origin + 0.8 * (handle.arrow[1] - handle.origin)
+    elif part is Part.MOVE:
+        point = handle.origin
+    else:
+        point = handle.ring[10]
+    x, y = place(viewport, point)
+    assert handle.part_at(x, y) is part
+    return x, y

@@ -31,7 +31,7 @@ FACTORS_OF_A_NODE = 8
 CHUNK = 1024
 """Most points that go down the tree together."""
 
-LEAST_CHUNK = 128
+LEAST_CHUNK = 64
 """Smaller chunks cost more than an idle worker."""
 
 AT_ONCE = 2048
@@ -93,7 +93,7 @@ class ClusterTree:
         leaves = leaves_of(positions, ordered, first_face)
         yield 0.95
         rows = aligned((len(leaves.vertices), table.shape[1]))
-        rows[:] = table[leaves.vertices]
+        np.take(table.astype(np.float32), leaves.vertices, axis=0, out=rows, mode="clip")
         records = aligned((2 << depth, RECORD))
         records[:] = records_of(nodes)
         return cls(Tree(depth, records, factors, leaves, rows), nodes, on_surface)
@@ -167,7 +167,10 @@ def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, F
 
 def _packed(parts: list[Factors]) -> Factors:
     result = []
-    for arrays in zip(*parts, strict=True):
+    kinds = list(zip(*parts, strict=True))
+    parts.clear()  # so that each kind's parts are free once they are packed
+    while kinds:
+        arrays = kinds.pop(0)
         whole = aligned((sum(map(len, arrays)), *arrays[0].shape[1:]))
         np.concatenate(arrays, out=whole)
         result.append(whole)

@@ -7,6 +7,7 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
+from idviewer.core.interior import OF_A_POINT
 from idviewer.session.cloud import squares_of
 from idviewer.session.plane_samples import PlaneSamples, SampledSlice
 from idviewer.session.prepared import Prepared
@@ -77,7 +78,8 @@ class Framing:
         )
         yield
         highest = self._sampled.body.farthest(solver.scale, origin)
-        sampled_within = max([0.0 if exact_points or potential else rtol, *(one.rtol for one in slices)])
+        of_source = 0.0 if exact_points or potential else rtol
+        sampled_within = OF_A_POINT * (of_source + max(one.rtol for one in slices)) if slices else 0.0
         frame = Frame(
             mesh=solver.mesh,
             query=query,

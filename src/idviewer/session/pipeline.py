@@ -11,6 +11,7 @@ from idviewer.core import Distance, InteriorDistance, Mesh, MeshError, Spectrum,
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.session.framing import Framing
+from idviewer.session.memory import give_back
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.state import (
@@ -146,6 +147,7 @@ def _preparation(
         for share in compile_steps():
             yield Progress("Preparing kernels (compiled once, at the first run)", share)
     spectrum = (yield from _eigenpairs(mesh, distance)) if distance.spectral else None
+    give_back()
     if known is not None:
         known.spectrum = spectrum
         return known

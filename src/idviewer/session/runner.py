@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 
+from idviewer.session.memory import give_back
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -60,6 +61,8 @@ class Runner:
     def _run(self) -> None:
         while (request := self._next()) is not None:
             self._serve(request)
+            if self._pending is None:
+                give_back()
 
     def _next(self) -> Request | None:
         with self._changed:
