@@ -30,6 +30,7 @@ from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import Plane
 from idviewer.core.polygon import Polygon, PolygonError
+from idviewer.core.polygon_io import read_polygon, read_shape, write_polygon
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.core.shape import Shape, ShapeError
 from idviewer.core.slices import Section, section
@@ -66,9 +67,12 @@ __all__ = [
     "parameters_of",
     "polygon_laplacian",
     "read_mesh",
+    "read_polygon",
+    "read_shape",
     "sample_names",
     "sample_path",
     "section",
     "voronoi_areas",
     "voronoi_lengths",
+    "write_polygon",
 ]

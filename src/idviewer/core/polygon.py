@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -156,11 +156,10 @@ class Polygon:
         """
         try:
             loops = resampled_loops(self.vertices, self.loops, count)
-            made = Polygon.of_loops(loops, notes=self.notes)
+            made = Polygon.of_loops(loops)
         except PolygonError as error:
             raise self._named(PolygonError(f"with {count} points: {error}")) from None
-        object.__setattr__(made, "name", self.name)
-        return made
+        return replace(made, name=self.name, notes=self.notes)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points lie inside; those on the boundary do.
