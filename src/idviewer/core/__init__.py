@@ -31,6 +31,7 @@ from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import Plane
 from idviewer.core.polygon import Polygon, PolygonError
 from idviewer.core.polygon_io import read_polygon, read_shape, write_polygon
+from idviewer.core.polygon_section import polygon_section
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.core.shape import Shape, ShapeError
 from idviewer.core.slices import Section, section
@@ -66,6 +67,7 @@ __all__ = [
     "mean_value_weights",
     "parameters_of",
     "polygon_laplacian",
+    "polygon_section",
     "read_mesh",
     "read_polygon",
     "read_shape",
