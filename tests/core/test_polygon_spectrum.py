@@ -84,9 +84,11 @@ def test_the_spectrum_is_that_of_a_dense_solver(polygon, few):
 @pytest.mark.parametrize("polygon", [flower(150), WITH_HOLES], ids=["one loop", "holes"])
 def test_the_iterative_solver_agrees_with_the_dense_one(polygon, monkeypatch):
     plain = eigenpairs(polygon)
-    monkeypatch.setattr(spectrum_module, "DENSE", 0)
+    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON", 0)
     iterated = eigenpairs(polygon)
     np.testing.assert_allclose(iterated.values, plain.values, rtol=1e-9)
+    assert 0.0 < iterated.residual < 1e-6
+    np.testing.assert_array_equal(eigenpairs(polygon, everything).masses, plain.masses)  # falls back on dense
 
 
 def test_eigenvalues_of_a_circle_converge_at_second_order():
@@ -141,6 +143,7 @@ def test_heat_flows_between_loops():
 
 
 def test_too_many_modes_are_refused_in_one_line(monkeypatch):
+    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON", 0)
     monkeypatch.setattr(spectrum_module, "DENSE", 0)
     with pytest.raises(PolygonError, match=r"^the distance asks for about \d+ modes, .* polygon of 100 "):
         eigenpairs(regular(100), lambda lambda_2: 1e6 * lambda_2)

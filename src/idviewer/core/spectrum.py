@@ -28,6 +28,9 @@ SMALLEST_KEPT = 1e-6
 DENSE = 700
 """Shapes of up to so many vertices are left to a dense solver, which knows no limit to the modes."""
 
+DENSE_POLYGON = 250
+"""Polygons of up to so many vertices likewise; above, iterating for the lowest twenty modes is faster."""
+
 BLOCK = 6
 """Vectors at a time. Symmetry makes at most five eigenvalues of a body equal (the largest irreducible
 representation of a finite point group, the icosahedron's), and a block finds as many copies as it is wide."""
@@ -101,11 +104,27 @@ def eigenpair_steps(shape: Shape, cutoff: Callable[[float], float] = paper_cutof
     """`eigenpairs` as a generator that yields the share done, or None, every few milliseconds."""
     masses = masses_of(shape)
     yield 0.0
+    if isinstance(shape, Polygon):
+        return (yield from _polygon_steps(shape, masses, cutoff))
     if len(masses) <= DENSE:
-        if isinstance(shape, Polygon):
-            values, vectors, bound = low_pairs(shape, masses, cutoff)
-            return Spectrum(values, vectors, masses, 0.0, bound)
         return _all_pairs(laplacian_of(shape), masses, cutoff)
+    return (yield from _krylov_steps(shape, masses, cutoff))
+
+
+def _polygon_steps(polygon: Polygon, masses: Floats, cutoff: Callable[[float], float]) -> Steps:
+    """The kept pairs of a polygon: a few of many by iteration, all others by a dense solver."""
+    if len(masses) > DENSE_POLYGON:
+        try:
+            return (yield from _krylov_steps(polygon, masses, cutoff))
+        except PolygonError:
+            if len(masses) > DENSE:
+                raise
+    values, vectors, bound = low_pairs(polygon, masses, cutoff)
+    return Spectrum(values, vectors, masses, 0.0, bound)
+
+
+def _krylov_steps(shape: Shape, masses: Floats, cutoff: Callable[[float], float]) -> Steps:
+    """The kept pairs of a large shape, by block Lanczos."""
     weyl = _Weyl(shape.dimension, float(masses.sum()))
     krylov = _BlockKrylov(_factor(laplacian_of(shape), weyl.shift * masses), np.sqrt(masses), weyl.shift)
     yield 0.05
