@@ -43,6 +43,7 @@ pictures: system-test $(VENV)/installed-test ## draw the pictures of the documen
 
 shapes: $(VENV)/installed-shapes ## make the bundled shapes again
 	@$(PYTHON_IN) assets/make_shapes.py
+	@$(PYTHON_IN) assets/make_polygons.py
 
 clean: ## remove the environments, caches and build products
 	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis .numba_cache

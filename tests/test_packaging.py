@@ -47,13 +47,17 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return next(folder.glob("*.whl"))
 
 
+def bundled() -> list[Path]:
+    return [path for suffix in ("ply", "csv") for path in (ROOT / "assets").glob(f"*.{suffix}")]
+
+
 @pytest.mark.slow
 def test_the_wheel_holds_what_runs(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
     packed = {name for name in names if name.endswith(".py")}
     source = {str(path.relative_to(ROOT / "src")) for path in (ROOT / "src").rglob("*.py")}
-    shapes = {f"idviewer/assets/{path.name}" for path in (ROOT / "assets").glob("*.ply")}
+    shapes = {f"idviewer/assets/{path.name}" for path in bundled()}
     assert packed == source
     assert shapes
     assert shapes <= set(names)
@@ -84,7 +88,7 @@ def test_the_wheel_works_where_the_tree_is_not(wheel: Path, tmp_path: Path) -> N
     environment = {**os.environ, "PYTHONPATH": paths}
     listed = call(python, "-m", "idviewer", "samples", cwd=tmp_path, env=environment)
     assert listed.returncode == 0, listed.stderr
-    assert set(listed.stdout.split()) >= {path.stem for path in (ROOT / "assets").glob("*.ply")}
+    assert set(listed.stdout.split()) >= {path.stem for path in bundled()}
     done = call(python, "-m", "idviewer", "info", listed.stdout.split()[0], cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
     assert "usable          yes" in done.stdout

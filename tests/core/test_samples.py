@@ -9,6 +9,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
+from idviewer.core import read_polygon, read_shape
 from idviewer.core.samples import DEFAULT_SAMPLE, Sample, sample_names, sample_path, samples
 
 POSES = ("human", "human_walking", "human_sitting")
@@ -18,7 +19,7 @@ def load(name: str) -> trimesh.Trimesh:
     return trimesh.load(sample_path(name), process=False)
 
 
-@pytest.fixture(params=sample_names())
+@pytest.fixture(params=sample_names(3))
 def mesh(request: pytest.FixtureRequest) -> trimesh.Trimesh:
     return load(request.param)
 
@@ -49,7 +50,7 @@ def triangle_fans(faces: np.ndarray) -> int:
     return fans
 
 
-@pytest.mark.parametrize("name", sample_names())
+@pytest.mark.parametrize("name", sample_names(3))
 def test_genus(name: str) -> None:
     mesh = load(name)
     assert mesh.euler_number == (-4 if name.startswith("couple") else 2)
@@ -113,7 +114,8 @@ def hits(first: np.ndarray, second: np.ndarray, edge: int) -> np.ndarray:
 
 def test_they_are_all_there_and_small_enough_to_bundle() -> None:
     folder = sample_path(DEFAULT_SAMPLE).parent
-    assert {path.stem for path in folder.glob("*.ply")} == set(sample_names())
+    assert {path.stem for path in folder.glob("*.ply")} == set(sample_names(3))
+    assert {path.stem for path in folder.glob("*.csv")} == set(sample_names(2))
     sizes = [sample.path.stat().st_size for sample in samples()]
     assert sum(sizes) < 4_000_000
     assert max(sizes) < 2_000_000
@@ -122,7 +124,22 @@ def test_they_are_all_there_and_small_enough_to_bundle() -> None:
 def test_descriptions_tell_the_number_of_vertices() -> None:
     for sample in samples():
         assert isinstance(sample, Sample)
-        assert sample.description.endswith(f", {len(load(sample.name).vertices):,} vertices")
+        count = len(read_shape(sample.path).vertices)
+        assert sample.description.endswith((f", {count:,} vertices", f", {count} vertices, 2D"))
+
+
+@pytest.mark.parametrize("name", sample_names(2))
+def test_polygons_are_evenly_sampled_and_of_one_size(name: str) -> None:
+    polygon = read_polygon(sample_path(name))
+    assert 150 <= len(polygon.vertices) <= 400
+    assert polygon.lengths.max() < 2.0 * polygon.lengths.min()
+    assert 0.8 < np.ptp(polygon.vertices, axis=0).max() < 1.4
+    assert len(polygon.loops) == {"ring": 2, "plate": 4}.get(name, 1)
+
+
+def test_the_bays_are_one_square_cut_ever_deeper() -> None:
+    areas = [read_polygon(sample_path(f"bay_{i}")).area for i in (1, 2, 3)]
+    np.testing.assert_allclose(areas, [1 - 0.16 * 0.15, 1 - 0.16 * 0.5, 1 - 0.16 * 0.85], rtol=1e-4)
 
 
 def test_the_default_is_the_hand_of_usual_size() -> None:
@@ -131,7 +148,8 @@ def test_the_default_is_the_hand_of_usual_size() -> None:
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
     with pytest.raises(
-        ValueError, match=r"^no bundled shape is called 'teapot'; there are hand, hand_2k, .*couple_2k$"
+        ValueError,
+        match=r"^no bundled shape is called 'teapot'; there are hand, hand_2k, .*couple_2k, blob, .*plate$",
     ):
         sample_path("teapot")
 

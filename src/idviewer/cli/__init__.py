@@ -154,7 +154,7 @@ def samples() -> None:
     """List the bundled shapes."""
     from idviewer.core.samples import samples as bundled
 
-    print("\n".join(f"{sample.name:<18}{sample.description}" for sample in bundled()))
+    print("\n".join(f"{sample.name:<20}{sample.description}" for sample in bundled()))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,4 +1,4 @@
-"""Interior distances of triangle meshes: a library that needs no window.
+"""Interior distances of triangle meshes and polygons: a library that needs no window.
 
 Source throughout: Rustamov, Lipman and Funkhouser, "Interior Distance Using Barycentric Coordinates",
 Symposium on Geometry Processing 2009; "the paper" in these pages.
@@ -18,11 +18,22 @@ from idviewer.core.distances import (
 )
 from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
 from idviewer.core.io import read_mesh
-from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
+from idviewer.core.laplacian import (
+    cotangent_laplacian,
+    laplacian_of,
+    masses_of,
+    polygon_laplacian,
+    voronoi_areas,
+    voronoi_lengths,
+)
 from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import Plane
+from idviewer.core.polygon import Polygon, PolygonError
+from idviewer.core.polygon_io import read_polygon, read_shape, write_polygon
+from idviewer.core.polygon_section import polygon_section
 from idviewer.core.samples import sample_names, sample_path
+from idviewer.core.shape import Shape, ShapeError
 from idviewer.core.slices import Section, section
 from idviewer.core.spectrum import Spectrum, eigenpairs
 
@@ -41,17 +52,29 @@ __all__ = [
     "MeshError",
     "Parameter",
     "Plane",
+    "Polygon",
+    "PolygonError",
     "Section",
+    "Shape",
+    "ShapeError",
     "Spectrum",
     "cotangent_laplacian",
     "diagnose",
     "eigenpairs",
     "interior_distance",
+    "laplacian_of",
+    "masses_of",
     "mean_value_weights",
     "parameters_of",
+    "polygon_laplacian",
+    "polygon_section",
     "read_mesh",
+    "read_polygon",
+    "read_shape",
     "sample_names",
     "sample_path",
     "section",
     "voronoi_areas",
+    "voronoi_lengths",
+    "write_polygon",
 ]

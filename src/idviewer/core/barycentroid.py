@@ -1,17 +1,22 @@
-"""The barycentroid: the point inside where the mean squared distance to the surface is smallest."""
+"""The barycentroid: the point inside where the mean squared distance to the boundary is smallest."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
+from functools import cache
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import AXES, Plane
+from idviewer.core.polygon import Polygon, PolygonError
+from idviewer.core.polygon_section import polygon_section
+from idviewer.core.shape import Shape
 from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
-from idviewer.core.slices import section
+from idviewer.core.slices import Section, section
 from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
@@ -30,9 +35,9 @@ class Barycentroid:
     """Where the potential is smallest.
 
     Attributes:
-        point: (3,) the barycentroid, inside the mesh.
+        point: (3,) the barycentroid, inside the mesh; (2,) inside a polygon.
         potential: U there.
-        path: (s, 3) the descent that ended there, from its start on.
+        path: (s, 3) or (s, 2) the descent that ended there, from its start on.
     """
 
     point: Floats
@@ -40,7 +45,7 @@ class Barycentroid:
     path: Floats
 
 
-def barycentroid_steps(mesh: Mesh, potential: Evaluate) -> Generator[float | None, None, Barycentroid]:
+def barycentroid_steps(shape: Shape, potential: Evaluate) -> Generator[float | None, None, Barycentroid]:
     """Find the barycentroid; yields the share done, or None, every few milliseconds.
 
     U may have several local minima. The interior is sampled coarsely, descents start from the lowest
@@ -48,42 +53,59 @@ def barycentroid_steps(mesh: Mesh, potential: Evaluate) -> Generator[float | Non
     Rustamov et al. 2009, section 7.
 
     Args:
-        mesh: where to look.
-        potential: U at (p, 3) points, (p,), NaN outside, as a generator.
+        shape: where to look.
+        potential: U at (p, dimension) points, (p,), NaN outside, as a generator.
 
     Raises:
-        MeshError: no point inside the mesh could be found.
+        ShapeError: no point inside could be found (a MeshError or a PolygonError).
     """
-    samples = yield from interior_sample_steps(mesh)
+    samples = yield from interior_sample_steps(shape)
     values = yield from potential(samples)
     inside = np.isfinite(values)
     if not inside.any():
-        raise MeshError("no point inside the mesh was found; is it thinner than its coordinates' rounding?")
+        kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
+        raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
     best: Barycentroid | None = None
-    for start in _lowest_apart(samples[inside], values[inside], 0.1 * mesh.diagonal):
-        candidate = yield from _descend(potential, start, mesh.diagonal)
+    for start in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal):
+        candidate = yield from _descend(potential, start, shape.diagonal)
         if best is None or candidate.potential < best.potential:
             best = candidate
     assert best is not None
     return best
 
 
-def interior_samples(mesh: Mesh) -> Floats:
-    """(p, 3) points spread evenly over the inside: lattices on planes across the longest axis."""
-    return finish(interior_sample_steps(mesh))
+def interior_samples(shape: Shape) -> Floats:
+    """(p, dimension) points spread evenly over the inside.
+
+    A lattice fills a polygon, lattices on planes across the longest axis fill a mesh.
+    """
+    return finish(interior_sample_steps(shape))
 
 
-def interior_sample_steps(mesh: Mesh) -> Generator[None, None, Floats]:
+def interior_sample_steps(shape: Shape) -> Generator[None, None, Floats]:
     """`interior_samples` as a generator that yields between the planes."""
+    if isinstance(shape, Polygon):
+        yield
+        return _filling(polygon_section(shape), LAYERS * SAMPLES_A_LAYER)[:, :2]
+    assert isinstance(shape, Mesh)
+    return (yield from _layers(shape))
+
+
+def _layers(mesh: Mesh) -> Generator[None, None, Floats]:
     axis = list(AXES)[int(np.argmax(np.ptp(mesh.bounds, axis=0)))]
     layers = []
     for fraction in (np.arange(LAYERS) + 0.5) / LAYERS:
         cut = section(mesh, Plane.along(axis, float(fraction), mesh.bounds))
         if cut.area > 0.0:
-            filled = slice_mesh(cut, spacing_for(cut, SAMPLES_A_LAYER))
-            layers.append(filled.node_points if len(filled.nodes) else _largest_triangles(filled))
+            layers.append(_filling(cut, SAMPLES_A_LAYER))
         yield
     return np.concatenate(layers) if layers else np.empty((0, 3))
+
+
+def _filling(cut: Section, samples: int) -> Floats:
+    """(p, 3) about so many points inside a section."""
+    filled = slice_mesh(cut, spacing_for(cut, samples))
+    return filled.node_points if len(filled.nodes) else _largest_triangles(filled)
 
 
 def _largest_triangles(filled: SliceMesh) -> Floats:
@@ -114,20 +136,21 @@ def _descend(
     """
     point, radius = start, START_RADIUS * diagonal
     path = [point]
+    model = _Model.of(len(start))
     for _ in range(MOST_ROUNDS):
         if radius < LAST_RADIUS * diagonal:
             break
-        values = yield from potential(point + radius * _STENCIL)
+        values = yield from potential(point + radius * model.stencil)
         squares = values**2
         if not np.isfinite(squares).all():
             radius *= 0.5
             if np.isfinite(squares[0]):
                 continue
             break
-        step = _model_step(squares) * radius
+        step = model.step(squares) * radius
         trials = point + np.outer(_LENGTHS, step)
         heights = np.concatenate([values, (yield from potential(trials))])
-        candidates = np.concatenate([point + radius * _STENCIL, trials])
+        candidates = np.concatenate([point + radius * model.stencil, trials])
         lowest = int(np.nanargmin(heights))
         moved = float(np.linalg.norm(candidates[lowest] - point))
         if lowest > 0:
@@ -138,31 +161,45 @@ def _descend(
     return Barycentroid(point, float(final[0]), np.array(path))
 
 
-def _stencil() -> Floats:
-    """The middle, the 6 axis neighbours and 8 of the 12 diagonals: enough for a full quadratic."""
-    axes = np.concatenate([np.eye(3), -np.eye(3)])
-    diagonals = np.array([[1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]]) / np.sqrt(2.0)
-    opposite = -diagonals[[0, 2, 4]]
-    return np.concatenate([np.zeros((1, 3)), axes, diagonals, opposite])
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """Quadratic functions in so many dimensions, fitted to their values on a stencil.
+
+    Attributes:
+        stencil: (s, d) the middle, its neighbours along the axes and enough diagonals for a full quadratic.
+        fit: (c, s) from values on the stencil to coefficients: constant, linear, squares, products.
+    """
+
+    stencil: Floats
+    fit: Floats
+
+    @classmethod
+    @cache
+    def of(cls, dimension: int) -> _Model:
+        axes = np.concatenate([np.eye(dimension), -np.eye(dimension)])
+        pairs = list(combinations(range(dimension), 2))
+        diagonals = np.zeros((2 * len(pairs), dimension))
+        for number, (first, second) in enumerate(pairs):
+            diagonals[2 * number : 2 * number + 2, first] = np.sqrt(0.5)
+            diagonals[2 * number : 2 * number + 2, second] = np.sqrt(0.5), -np.sqrt(0.5)
+        stencil = np.concatenate([np.zeros((1, dimension)), axes, diagonals, -diagonals[::2]])
+        products = [stencil[:, first] * stencil[:, second] for first, second in pairs]
+        terms = np.column_stack([np.ones(len(stencil)), stencil, stencil**2, *products])
+        return cls(stencil, np.linalg.pinv(terms))
+
+    def step(self, squares: Floats) -> Floats:
+        """The step, in trust radii, to the minimum of the quadratic fitted to the stencil's values."""
+        d = self.stencil.shape[1]
+        coefficients = self.fit @ squares
+        gradient, hessian = coefficients[1 : 1 + d], np.diag(2.0 * coefficients[1 + d : 1 + 2 * d])
+        for value, (first, second) in zip(coefficients[1 + 2 * d :], combinations(range(d), 2), strict=True):
+            hessian[first, second] = hessian[second, first] = value
+        curvatures, directions = np.linalg.eigh(hessian)
+        steepest = max(float(np.abs(curvatures).max()), float(np.linalg.norm(gradient)))
+        floor = 1e-3 * max(steepest, np.finfo(float).tiny)
+        step = -directions @ ((directions.T @ gradient) / np.maximum(np.abs(curvatures), floor))
+        length = float(np.linalg.norm(step))
+        return step if length <= 2.0 else step * (2.0 / length)
 
 
-def _quadratic_terms(points: Floats) -> Floats:
-    x, y, z = points.T
-    return np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, x * z, y * z], axis=1)
-
-
-_STENCIL = _stencil()
-_FIT = np.linalg.pinv(_quadratic_terms(_STENCIL))
 _LENGTHS = 2.0 ** np.arange(-3.0, 3.0)
-
-
-def _model_step(squares: Floats) -> Floats:
-    """The step, in trust radii, to the minimum of the quadratic fitted to the stencil's values."""
-    _, x, y, z, xx, yy, zz, xy, xz, yz = _FIT @ squares
-    gradient = np.array([x, y, z])
-    hessian = np.array([[2 * xx, xy, xz], [xy, 2 * yy, yz], [xz, yz, 2 * zz]])
-    curvatures, directions = np.linalg.eigh(hessian)
-    floor = 1e-3 * max(float(np.abs(curvatures).max()), float(np.linalg.norm(gradient)), np.finfo(float).tiny)
-    step = -directions @ ((directions.T @ gradient) / np.maximum(np.abs(curvatures), floor))
-    length = float(np.linalg.norm(step))
-    return step if length <= 2.0 else step * (2.0 / length)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
 from idviewer.core.distances import Diffusion, Distance
-from idviewer.core.laplacian import voronoi_areas
+from idviewer.core.laplacian import masses_of
 from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.mesh import Mesh
 from idviewer.core.shape import as_points
@@ -77,7 +77,7 @@ class InteriorDistance:
         self._spectrum = spectrum
         self.basis = self.distance_kind.basis(mesh, spectrum)
         self.basis.setflags(write=False)
-        masses = voronoi_areas(mesh) if spectrum is None else spectrum.masses
+        masses = masses_of(mesh) if spectrum is None else spectrum.masses
         self._mean = (masses @ self.basis) / masses.sum()
         self._approximations: dict[bytes, Approximation] = {}
         self.scale = self.distance_kind.scale(spectrum)

@@ -49,7 +49,7 @@ def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mes
             surface. The message is one line that names the file.
     """
     path = Path(path)
-    return mended(_polygons(path), path.stem, _told(path), component)
+    return mended(_polygons(path), path.stem, told(path), component)
 
 
 def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
@@ -70,12 +70,12 @@ def _polygons(path: Path) -> Polygons:
         if not data.strip():
             raise UnreadableError("the file is empty; export it again")
     except UnreadableError as error:
-        raise MeshError(f"{_told(path)}: {error}") from error
+        raise MeshError(f"{told(path)}: {error}") from error
     except FileNotFoundError as error:
-        raise MeshError(f"{_told(path)}: there is no such file") from error
+        raise MeshError(f"{told(path)}: there is no such file") from error
     except (OSError, ValueError) as error:  # a name that no file can have is a ValueError
         cause = getattr(error, "strerror", None) or error
-        raise MeshError(f"{_told(path)}: the file cannot be read ({cause})") from error
+        raise MeshError(f"{told(path)}: the file cannot be read ({cause})") from error
     return _parsed(path, suffix, data)
 
 
@@ -95,12 +95,12 @@ def _parsed(path: Path, suffix: str, data: bytes) -> Polygons:
     try:
         return read_gltf(data, path.parent) if suffix == ".gltf" else _READERS[suffix](data)
     except UnreadableError as error:
-        raise MeshError(f"{_told(path)}: not a whole {kind} file: {_told(error)}; export it again") from error
+        raise MeshError(f"{told(path)}: not a whole {kind} file: {told(error)}; export it again") from error
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line
-        cause = _told(f"{type(error).__name__}: {error}")[:100]
-        raise MeshError(f"{_told(path)}: not a readable {kind} file ({cause}); export it again") from error
+        cause = told(f"{type(error).__name__}: {error}")[:100]
+        raise MeshError(f"{told(path)}: not a readable {kind} file ({cause}); export it again") from error
 
 
-def _told(thing: object) -> str:
+def told(thing: object) -> str:
     """A path or a cause on one line, whatever it is made of."""
     return "".join(letter if letter.isprintable() else "?" for letter in str(thing))

@@ -1,4 +1,4 @@
-"""The discrete Laplace-Beltrami operator of a triangle mesh: cotangent stiffness and mixed Voronoi areas."""
+"""The discrete Laplace-Beltrami operator of a boundary: stiffness and masses of meshes and of polygons."""
 
 from __future__ import annotations
 
@@ -7,8 +7,40 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from idviewer.core.mesh import Mesh
+from idviewer.core.polygon import Polygon
+from idviewer.core.shape import Shape
 
 Floats = NDArray[np.float64]
+
+
+def laplacian_of(shape: Shape) -> sparse.csc_array:
+    """The stiffness matrix L (n, n) of a shape's boundary: `cotangent_laplacian` or `polygon_laplacian`.
+
+    >>> from idviewer.core import Polygon
+    >>> laplacian_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).diagonal().tolist()
+    [2.0, 2.0, 2.0, 2.0]
+    """
+    if isinstance(shape, Mesh):
+        return cotangent_laplacian(shape)
+    return polygon_laplacian(_polygon(shape))
+
+
+def masses_of(shape: Shape) -> Floats:
+    """The diagonal (n,) of a shape's mass matrix M: `voronoi_areas` or `voronoi_lengths`.
+
+    >>> from idviewer.core import Polygon
+    >>> masses_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).tolist()
+    [1.0, 1.0, 1.0, 1.0]
+    """
+    if isinstance(shape, Mesh):
+        return voronoi_areas(shape)
+    return voronoi_lengths(_polygon(shape))
+
+
+def _polygon(shape: Shape) -> Polygon:
+    if not isinstance(shape, Polygon):
+        raise TypeError(f"a Mesh or a Polygon has a Laplacian; this is a {type(shape).__name__}")
+    return shape
 
 
 def cotangents(mesh: Mesh) -> Floats:
@@ -85,3 +117,48 @@ def voronoi_areas(mesh: Mesh) -> Floats:
     share = np.where(np.any(obtuse, axis=1, keepdims=True), quarters, voronoi)
     areas = np.bincount(mesh.faces.ravel(), weights=share.ravel(), minlength=len(mesh.vertices))
     return np.asarray(areas, dtype=np.float64)
+
+
+def polygon_laplacian(polygon: Polygon) -> sparse.csc_array:
+    """The Laplacian L of a polygon's boundary, positive semi-definite, with L 1 = 0.
+
+    Each edge and each wire between loops (see `Polygon`) conducts one over its length: the stencil is
+    [-1/d-, 1/d- + 1/d+, -1/d+]. Source: Rustamov et al. 2009, appendix; wires are ours.
+
+    Args:
+        polygon: n vertices.
+
+    Returns:
+        (n, n) sparse and symmetric, in one over the polygon's unit.
+
+    >>> from idviewer.core import Polygon
+    >>> triangle = Polygon([[0, 0], [4, 0], [0, 2]])
+    >>> polygon_laplacian(triangle).toarray()[0].tolist()
+    [0.75, -0.25, -0.5]
+    """
+    n = len(polygon.vertices)
+    i, j = np.concatenate([polygon.edges, polygon.wires]).T
+    conductances = 1.0 / np.concatenate([polygon.lengths, polygon.wire_lengths])
+    rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
+    weights = sparse.csc_array((np.tile(conductances, 2), (rows, columns)), shape=(n, n))
+    return sparse.csc_array(sparse.diags_array(weights.sum(axis=0)) - weights)
+
+
+def voronoi_lengths(polygon: Polygon) -> Floats:
+    """Half the length of the two edges at each vertex, (d- + d+) / 2; they add up to the perimeter.
+
+    Source: Rustamov et al. 2009, appendix.
+
+    Args:
+        polygon: n vertices.
+
+    Returns:
+        (n,) lengths, in the polygon's unit.
+
+    >>> from idviewer.core import Polygon
+    >>> voronoi_lengths(Polygon([[0, 0], [4, 0], [4, 2], [0, 2]])).tolist()
+    [3.0, 3.0, 3.0, 3.0]
+    """
+    before = np.empty_like(polygon.lengths)
+    before[polygon.edges[:, 1]] = polygon.lengths
+    return 0.5 * (before + polygon.lengths)

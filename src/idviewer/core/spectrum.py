@@ -1,4 +1,4 @@
-"""Eigenpairs of the Laplace-Beltrami operator, as many as a spectral distance needs."""
+"""Eigenpairs of the Laplace-Beltrami operator, as many as a spectral distance of mesh or polygon needs."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
-from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
-from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core._polygon_spectrum import low_pairs
+from idviewer.core.laplacian import laplacian_of, masses_of
+from idviewer.core.mesh import MeshError
+from idviewer.core.polygon import Polygon, PolygonError
+from idviewer.core.shape import Shape, ShapeError
 from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
@@ -23,7 +26,10 @@ SMALLEST_KEPT = 1e-6
 """The paper keeps the modes with exp(-lambda t) above this (Rustamov et al. 2009, appendix)."""
 
 DENSE = 700
-"""Meshes of up to so many vertices are left to a dense solver, which knows no limit to the modes."""
+"""Shapes of up to so many vertices are left to a dense solver, which knows no limit to the modes."""
+
+DENSE_POLYGON = 250
+"""Polygons of up to so many vertices likewise; above, iterating for the lowest twenty modes is faster."""
 
 BLOCK = 6
 """Vectors at a time. Symmetry makes at most five eigenvalues of a body equal (the largest irreducible
@@ -41,9 +47,9 @@ class Spectrum:
     Attributes:
         values: (k,) eigenvalues in ascending order, 1 / unit^2; values[0] is the paper's lambda_2.
         vectors: (n, k) eigenvectors, one column each, with vectors^T M vectors = 1.
-        masses: (n,) the diagonal of M, mixed Voronoi areas.
+        masses: (n,) the diagonal of M: mixed Voronoi areas of a mesh, lengths of a polygon.
         residual: the largest residual |C x - theta x| / theta of the shift-inverted problem.
-        bound: every eigenvalue below it is among the values; infinite where the mesh has no others.
+        bound: every eigenvalue below it is among the values; infinite where the shape has no others.
     """
 
     values: Floats
@@ -54,7 +60,7 @@ class Spectrum:
 
 
 def paper_time(lambda_2: float) -> float:
-    """The paper's diffusion time t = 1 / (8 lambda_2), in the mesh's unit squared (appendix).
+    """The paper's diffusion time t = 1 / (8 lambda_2), in the shape's unit squared (appendix).
 
     >>> paper_time(2.0)
     0.0625
@@ -71,18 +77,18 @@ def paper_cutoff(lambda_2: float) -> float:
     return -math.log(SMALLEST_KEPT) / paper_time(lambda_2)
 
 
-def eigenpairs(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff) -> Spectrum:
+def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) -> Spectrum:
     """All eigenpairs with 0 < lambda < cutoff(lambda_2).
 
     Args:
-        mesh: n vertices.
+        shape: mesh or polygon of n vertices.
         cutoff: from lambda_2 to the bound of the eigenvalues kept.
 
     Returns:
         The spectrum; eigenvalues have relative errors below 1e-10.
 
     Raises:
-        MeshError: the cut-off asks for more modes than a large mesh carries.
+        ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError).
 
     >>> import numpy as np
     >>> from idviewer.core import read_mesh, sample_path
@@ -91,18 +97,36 @@ def eigenpairs(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff) -> S
     >>> bool(abs(gram - np.eye(len(spectrum.values))).max() < 1e-10)
     True
     """
-    return finish(eigenpair_steps(mesh, cutoff))
+    return finish(eigenpair_steps(shape, cutoff))
 
 
-def eigenpair_steps(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff) -> Steps:
+def eigenpair_steps(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) -> Steps:
     """`eigenpairs` as a generator that yields the share done, or None, every few milliseconds."""
-    laplacian, masses = cotangent_laplacian(mesh), voronoi_areas(mesh)
+    masses = masses_of(shape)
     yield 0.0
+    if isinstance(shape, Polygon):
+        return (yield from _polygon_steps(shape, masses, cutoff))
     if len(masses) <= DENSE:
-        return _all_pairs(laplacian, masses, cutoff)
-    # An eighth of Weyl's spacing: near enough to zero to favour the low modes, far enough to factor well.
-    shift = 0.5 * math.pi / masses.sum()
-    krylov = _BlockKrylov(_factor(laplacian, shift * masses), np.sqrt(masses), shift)
+        return _all_pairs(laplacian_of(shape), masses, cutoff)
+    return (yield from _krylov_steps(shape, masses, cutoff))
+
+
+def _polygon_steps(polygon: Polygon, masses: Floats, cutoff: Callable[[float], float]) -> Steps:
+    """The kept pairs of a polygon: a few of many by iteration, all others by a dense solver."""
+    if len(masses) > DENSE_POLYGON:
+        try:
+            return (yield from _krylov_steps(polygon, masses, cutoff))
+        except PolygonError:
+            if len(masses) > DENSE:
+                raise
+    values, vectors, bound = low_pairs(polygon, masses, cutoff)
+    return Spectrum(values, vectors, masses, 0.0, bound)
+
+
+def _krylov_steps(shape: Shape, masses: Floats, cutoff: Callable[[float], float]) -> Steps:
+    """The kept pairs of a large shape, by block Lanczos."""
+    weyl = _Weyl(shape.dimension, float(masses.sum()))
+    krylov = _BlockKrylov(_factor(laplacian_of(shape), weyl.shift * masses), np.sqrt(masses), weyl.shift)
     yield 0.05
     expected = math.inf
     while True:
@@ -115,15 +139,44 @@ def eigenpair_steps(mesh: Mesh, cutoff: Callable[[float], float] = paper_cutoff)
         # One converged value beyond the bound shows that none below it is still to come.
         if kept < len(values) and residuals[: kept + 1].max() < RESIDUAL:
             break
-        expected = float(masses.sum()) * bound / (4.0 * math.pi)  # Weyl's law
+        expected = weyl.modes(bound)
         if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
-            raise MeshError(
-                f"the distance asks for about {expected:.0f} modes, more than a mesh of {len(masses)} "
-                "vertices can carry; choose a longer diffusion time or a finer mesh"
-            )
+            raise _too_many(shape, expected)
         yield min(0.95, 0.05 + 0.9 * krylov.size / (2.6 * expected + 10 * BLOCK))
     vectors = krylov.vectors(coefficients[:, :kept])
     return Spectrum(values[:kept], vectors, masses, float(residuals[:kept].max()), bound)
+
+
+@dataclass(frozen=True)
+class _Weyl:
+    """Weyl's law: how many eigenvalues a boundary of that size has.
+
+    Attributes:
+        dimension: of the space, one more than the boundary's.
+        size: the boundary's area or length.
+    """
+
+    dimension: int
+    size: float
+
+    def modes(self, bound: float) -> float:
+        """Number of eigenvalues below a bound, about."""
+        if self.dimension == 2:
+            return self.size * math.sqrt(bound) / math.pi
+        return self.size * bound / (4.0 * math.pi)
+
+    @property
+    def shift(self) -> float:
+        """An eighth of the spacing: near enough to zero to favour low modes, far enough to factor well."""
+        return 0.5 * math.pi**2 / self.size**2 if self.dimension == 2 else 0.5 * math.pi / self.size
+
+
+def _too_many(shape: Shape, expected: float) -> ShapeError:
+    kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
+    return error(
+        f"the distance asks for about {expected:.0f} modes, more than a {kind} of {len(shape.vertices)} "
+        f"vertices can carry; choose a longer diffusion time or a finer {kind}"
+    )
 
 
 def _all_pairs(laplacian: sparse.csc_array, masses: Floats, cutoff: Callable[[float], float]) -> Spectrum:
