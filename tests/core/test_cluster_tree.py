@@ -12,8 +12,8 @@ from idviewer.core._kernels.clusters import CLEARANCE
 from idviewer.core._kernels.expansion import INDICES, TABLES, monomials
 from idviewer.core.approximation import FINEST, Approximation
 from idviewer.core.cluster_tree import ClusterTree
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.interior import extent
-from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.steps import finish
 
 DEPTHS = (0.0, 1e-9, 1e-6, 1e-3)

@@ -10,7 +10,7 @@ from tests.core import shapes
 from tests.core.test_mean_value import BODIES
 
 from idviewer.core._kernels.surface import patched
-from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh
 
 Wide = np.longdouble

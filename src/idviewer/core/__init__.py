@@ -5,6 +5,7 @@ Symposium on Geometry Processing 2009; "the paper" in these pages.
 """
 
 from idviewer.core.barycentroid import Barycentroid
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.diagnosis import diagnose
 from idviewer.core.distances import (
     DISTANCES,
@@ -19,7 +20,6 @@ from idviewer.core.distances import (
 from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
 from idviewer.core.io import read_mesh
 from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
-from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import Plane
 from idviewer.core.samples import sample_names, sample_path

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from idviewer.core.cluster_tree import ClusterTree
 
 if TYPE_CHECKING:
-    from idviewer.core.mean_value import MeanValueCoordinates
+    from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

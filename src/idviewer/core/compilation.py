@@ -10,7 +10,7 @@ from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
 from idviewer.core._kernels.ears import cut_ears
 from idviewer.core._kernels.surface import patched
-from idviewer.core.mean_value import MeanValueCoordinates
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.mesh import Mesh
 from idviewer.core.steps import finish
 

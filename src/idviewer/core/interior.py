@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.laplacian import voronoi_areas
-from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.mesh import Mesh
 from idviewer.core.shape import as_points
 from idviewer.core.spectrum import Spectrum, eigenpairs
