@@ -5,6 +5,7 @@ Symposium on Geometry Processing 2009; "the paper" in these pages.
 """
 
 from idviewer.core.barycentroid import Barycentroid
+from idviewer.core.coordinates import COORDINATES, Coordinates, Property
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.diagnosis import diagnose
 from idviewer.core.distances import (
@@ -17,7 +18,7 @@ from idviewer.core.distances import (
     Parameter,
     parameters_of,
 )
-from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
+from idviewer.core.interior import InteriorDistance, interior_distance
 from idviewer.core.io import read_mesh
 from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
 from idviewer.core.mesh import Mesh, MeshError
@@ -32,6 +33,7 @@ __all__ = [
     "GPS",
     "Barycentroid",
     "Biharmonic",
+    "Coordinates",
     "Diffusion",
     "Distance",
     "Euclidean",
@@ -41,6 +43,7 @@ __all__ = [
     "MeshError",
     "Parameter",
     "Plane",
+    "Property",
     "Section",
     "Spectrum",
     "cotangent_laplacian",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from idviewer.core.cluster_tree import ClusterTree
 
 if TYPE_CHECKING:
-    from idviewer.core.coordinates.mean_value import MeanValueCoordinates
+    from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,7 +40,7 @@ class Approximation:
         weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
     """
 
-    def __init__(self, coordinates: MeanValueCoordinates, values: Floats, weights: Floats) -> None:
+    def __init__(self, coordinates: MeshMeanValue, values: Floats, weights: Floats) -> None:
         self._coordinates, self._values, self._weights = coordinates, values, weights
         self._trees: dict[int, tuple[ClusterTree, Ints]] = {}
 
@@ -58,7 +58,7 @@ class Approximation:
             return (yield from self._coordinates.interpolate_steps(points, self._values))
         tree, columns = yield from self.prepare_steps(tolerance)
         result = np.zeros((len(points), self._values.shape[1]))
-        places = self._coordinates.normalised(points)
+        places = self._coordinates.place(points)
         # All that is farther out than the corners of the bounding box is outside.
         left = np.flatnonzero(np.abs(places).max(axis=1, initial=0.0) <= 0.5)
         result[np.setdiff1d(np.arange(len(points)), left)] = np.nan
@@ -82,7 +82,7 @@ class Approximation:
                 self._values[:, columns],
                 self._weights[columns],
                 10.0**power,
-                self._coordinates.on_surface,
+                self._coordinates.tolerance,
             )
             self._trees[power] = tree, columns
         return self._trees[power]

@@ -10,7 +10,7 @@ from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
 from idviewer.core._kernels.ears import cut_ears
 from idviewer.core._kernels.surface import patched
-from idviewer.core.coordinates.mean_value import MeanValueCoordinates
+from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 from idviewer.core.mesh import Mesh
 from idviewer.core.steps import finish
 
@@ -21,7 +21,7 @@ def compile_steps() -> Generator[float, None, None]:
     corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
     scratch, landing = kernels.scratch_for(surface, 1), kernels.no_landing(1)
-    approximation = MeanValueCoordinates(spindle).approximation(corners, np.ones(3))
+    approximation = MeshMeanValue(spindle).approximation(corners, np.ones(3))
     calls: list[Callable[[], object]] = [
         lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),

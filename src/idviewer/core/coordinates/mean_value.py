@@ -1,41 +1,38 @@
-"""Mean value coordinates of points inside a closed triangle mesh, exact and for many points at once."""
+"""Mean value coordinates: smooth and linearly precise on every shape, negative in some concave ones."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from idviewer.core import _kernels
-from idviewer.core._kernels.surface import curve_order, patched
 from idviewer.core.approximation import Approximation
+from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
+from idviewer.core.coordinates._mean_value_polygon import PolygonMeanValue
+from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
 from idviewer.core.mesh import Mesh
-from idviewer.core.shape import as_points
+from idviewer.core.shape import Shape, as_points
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Landed = tuple[int, Ints, Floats]
-"""A point on the surface: its place among the packed ones, three vertices and their shares."""
-
-FACE_VISITS = 2e6
-"""Work between two checkpoints, in faces times points: 5 to 10 ms on two cores."""
 
 
-class MeanValueCoordinates:
-    """Evaluates mean value coordinates of one mesh.
+def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:
+    """The evaluator for a shape; it knows, too, which points are inside and on the boundary."""
+    return MeshMeanValue(shape) if isinstance(shape, Mesh) else PolygonMeanValue(shape)
 
-    They are smooth, add up to 1, reproduce linear functions and interpolate on the surface (vertex,
-    edge and face alike); they may be negative in concave shapes. Source: Ju, Schaefer and Warren 2005,
-    evaluated without trigonometry (docs/mean_value.md).
+
+@coordinates
+class MeanValueCoordinates(Coordinates):
+    """Evaluates mean value coordinates of one shape.
+
+    They are smooth, add up to 1, reproduce linear functions and interpolate on the boundary (vertex,
+    edge and face alike); they may be negative in concave shapes. Sources: Hormann and Floater 2006 for
+    polygons, with holes too; Ju, Schaefer and Warren 2005 for meshes; both without trigonometry
+    (docs/mean_value.md, docs/coordinates.md).
 
     Args:
-        mesh: n vertices.
-
-    Attributes:
-        on_surface: how near the surface a point counts as lying on it, in diagonals of the bounding box.
+        shape: n vertices.
 
     >>> from idviewer.core import Mesh
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -46,161 +43,45 @@ class MeanValueCoordinates:
 
     name = "mean_value"
     title = "Mean value coordinates"
+    rank = 10
+    properties = frozenset(Property) - {Property.NON_NEGATIVITY}
 
-    def __init__(self, mesh: Mesh) -> None:
-        self._mesh = mesh
-        self._centre = mesh.bounds.mean(axis=0)
-        self._scale = 1.0 / mesh.diagonal
-        self._surface = patched(*self.normalised_mesh)
-        self._vertex_count = len(mesh.vertices)
-        self._arranged: tuple[Floats, Floats] | None = None
-        # Rounding of the input coordinates, which is large on a mesh far from the origin.
-        reach = float(np.abs(mesh.bounds).max()) * self._scale
-        self.on_surface = 64.0 * float(np.finfo(float).eps) * (1.0 + reach)
+    def __init__(self, shape: Shape) -> None:
+        super().__init__(shape)
+        self._on = mean_value_on(shape)
 
     def weights(self, points: ArrayLike) -> Floats:
         """Coordinates of points with respect to every vertex.
 
         Args:
-            points: (p, 3).
+            points: (p, dimension).
 
         Returns:
-            (p, n) rows that sum to 1; NaN for points outside the mesh.
+            (p, n) rows that sum to 1; NaN for points outside.
         """
-        points = as_points(points, 3)
-        result = np.empty((len(points), self._vertex_count))
-        for chosen, packed in self._batches(points, len(points)):
-            places = np.full((len(packed), _kernels.LANES), -1)
-            places.ravel()[: len(chosen)] = chosen
-            product = np.empty((0, 0, 0)), np.empty((len(packed), 1, 0, 0))
-            landing, _ = self._weigh(packed, self._kept, product, (places, result))
-            for point, vertices, shares in landing:
-                if point < len(chosen):
-                    result[chosen[point]] = 0.0
-                    np.add.at(result[chosen[point]], vertices, shares)
-        return result
+        points = as_points(points, self.shape.dimension)
+        return self._on.weights(points)
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
-        """Values given at the vertices, carried to points; yields the share done every few milliseconds.
+        """Values (n, k) at the vertices, carried to points; see `Coordinates.interpolate_steps`."""
+        if isinstance(self._on, MeshMeanValue):
+            return (yield from self._on.interpolate_steps(points, values))
+        return (yield from super().interpolate_steps(points, values))
 
-        Args:
-            points: (p, 3).
-            values: (n, k).
-
-        Returns:
-            (p, k), NaN for points outside the mesh.
-        """
-        points = as_points(points, 3)
-        columns = self._columns(values)
-        result = np.empty((len(points), values.shape[1]))
-        done = 0
-        for chosen, packed in self._batches(points, FACE_VISITS / len(self._surface.faces)):
-            landing, carried = self._interpolated(packed, len(chosen), columns)
-            result[chosen] = carried[:, : values.shape[1]]
-            for point, vertices, shares in landing:
-                if point < len(chosen):
-                    result[chosen[point]] = shares @ values[vertices]
-            done += len(chosen)
-            yield done / len(points)
-        return result
-
-    def _interpolated(self, packed: Floats, count: int, columns: Floats) -> tuple[list[Landed], Floats]:
-        """Values carried to packed points: which are on the surface, and (count, k) that hold for the others.
-
-        Args:
-            packed: (blocks, 3, lanes).
-            count: of points; the last block repeats some.
-            columns: see `_columns`.
-        """
-        blocks, lanes = len(packed), min(_kernels.LANES, 4 * -(-count // 4))
-        parts = max(1, self._workers // blocks)
-        sums = np.zeros((blocks, parts, lanes, len(columns) * _kernels.LANES))
-        kept = np.empty((self._workers, self._scratch.seen.shape[1], _kernels.LANES))
-        nowhere = np.empty((0, 0), dtype=np.int64), np.empty((0, 0))
-        landing, totals = self._weigh(packed, kept, (columns, sums), nowhere)
-        total = totals.sum(axis=1).ravel()[:count]
-        total[~(total > 0.0)] = np.nan  # outside: docs/mean_value.md
-        return landing, sums.sum(axis=1).reshape(blocks * lanes, -1)[:count] / total[:, None]
-
-    def _weigh(
-        self, packed: Floats, kept: Floats, product: tuple[Floats, Floats], weights: tuple[Ints, Floats]
-    ) -> tuple[list[Landed], Floats]:
-        """Run the kernel; the points on the surface, and the weights' sums (blocks, parts, lanes)."""
-        blocks, parts = product[1].shape[:2]
-        landing, totals = _kernels.no_landing(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
-        _kernels.weigh(
-            packed, self._surface, self.on_surface, self._scratch, landing, totals, kept, product, weights
-        )
-        landed = []
-        for unit, lane in np.argwhere(landing.touched).tolist():
-            vertices = self._surface.vertices[landing.rows[unit, lane]]
-            landed.append((unit // parts * _kernels.LANES + lane, vertices, landing.shares[unit, lane]))
-        return landed, totals
-
-    def _columns(self, values: Floats) -> Floats:
-        """The values at the surface's rows as (k / lanes, r, lanes), padded; kept if they cannot change."""
-        if self._arranged is not None and self._arranged[0] is values:
-            return self._arranged[1]
-        count, lanes = values.shape[1], _kernels.LANES
-        columns = np.zeros((-(-count // lanes), len(self._surface.vertices), lanes))
-        for start in range(0, count, lanes):
-            some = values[self._surface.vertices, start : start + lanes]
-            columns[start // lanes, :, : some.shape[1]] = some
-        if not values.flags.writeable:
-            self._arranged = (values, columns)
-        return columns
-
-    @cached_property
-    def _workers(self) -> int:
-        return _kernels.thread_count()
-
-    @cached_property
-    def _scratch(self) -> _kernels.Scratch:
-        return _kernels.scratch_for(self._surface, self._workers)
-
-    @cached_property
-    def _kept(self) -> Floats:
-        return np.empty((self._workers, len(self._surface.vertices), _kernels.LANES))
-
-    def _batches(self, points: Floats, size: float) -> Generator[tuple[Ints, Floats], None, None]:
-        """Indices of some points that lie together, about so many, and the points as (blocks, 3, lanes).
-
-        The last block is filled up with copies.
-        """
-        lanes = _kernels.LANES
-        at_once = max(1, math.ceil(size / (lanes * self._workers))) * lanes * self._workers
-        normalised = self.normalised(points)
-        order = curve_order(np.where(np.isfinite(normalised), normalised, 0.0).clip(-1.0, 1.0))
-        for start in range(0, len(points), at_once):
-            chosen = order[start : start + at_once]
-            blocks = -(-len(chosen) // lanes)
-            padded = np.resize(chosen, blocks * lanes)
-            packed = normalised[padded].reshape(blocks, lanes, 3).transpose(0, 2, 1)
-            yield chosen, np.ascontiguousarray(packed)
-
-    @property
-    def normalised_mesh(self) -> tuple[Floats, Ints]:
-        """Positions (n, 3) as the kernels want them, and the faces (m, 3)."""
-        return self.normalised(self._mesh.vertices), self._mesh.faces
-
-    def normalised(self, points: Floats) -> Floats:
-        """Points (p, 3) in units of the bounding box's diagonal, about its centre."""
-        return (points - self._centre) * self._scale
-
-    def approximation(self, values: Floats, weights: Floats) -> Approximation:
-        """Values (n, k) ready to be carried inside within a tolerance; see `Approximation`."""
-        return Approximation(self, values, weights)
+    def approximation(self, values: Floats, weights: Floats) -> Approximation | None:
+        """Values (n, k) ready to be carried inside a mesh within a tolerance; see `Approximation`."""
+        return self._on.approximation(values, weights) if isinstance(self._on, MeshMeanValue) else None
 
 
-def mean_value_weights(mesh: Mesh, points: ArrayLike) -> Floats:
-    """Mean value coordinates of points; for many calls on one mesh keep a `MeanValueCoordinates`.
+def mean_value_weights(shape: Shape, points: ArrayLike) -> Floats:
+    """Mean value coordinates of points; for many calls on one shape keep a `MeanValueCoordinates`.
 
     Args:
-        mesh: n vertices.
-        points: (p, 3).
+        shape: n vertices.
+        points: (p, dimension).
 
     Returns:
-        (p, n) rows that sum to 1; NaN for points outside the mesh.
+        (p, n) rows that sum to 1; NaN for points outside.
 
     >>> from idviewer.core import Mesh
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -208,4 +89,4 @@ def mean_value_weights(mesh: Mesh, points: ArrayLike) -> Floats:
     >>> mean_value_weights(tetrahedron, [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).round(12).tolist()
     [[1.0, 0.0, 0.0, 0.0], [nan, nan, nan, nan]]
     """
-    return MeanValueCoordinates(mesh).weights(points)
+    return MeanValueCoordinates(shape).weights(points)
