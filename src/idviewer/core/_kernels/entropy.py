@@ -31,10 +31,11 @@ SUMMING = {**OPTIONS, "fastmath": {"contract", "nsz", "reassoc"}}
 
 @numba.njit(**OPTIONS)
 def _edge_priors(x, edges, lengths, priors):  # type: ignore[no-untyped-def]
-    """Subtract log rho_e of each edge from the log priors of its ends; rho_e = |a| + |b| - |b - a|.
+    """Log priors of a polygon's vertices: minus log rho_e of the two edges, rho_e = |a| + |b| - |b - a|.
 
-    = 2 (|a| |b| + a . b) / (|a| + |b| + |b - a|), and |a| |b| + a . b = (a x b)^2 / (|a| |b| - a . b).
+    That is 2 (|a| |b| + a . b) / (|a| + |b| + |b - a|), and |a| |b| + a . b = (a x b)^2 / (|a| |b| - a . b).
     """
+    priors[:] = 0.0
     for e in range(len(edges)):
         i, j = edges[e, 0], edges[e, 1]
         r_i = math.sqrt(x[0, i] * x[0, i] + x[1, i] * x[1, i])
@@ -48,39 +49,53 @@ def _edge_priors(x, edges, lengths, priors):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**OPTIONS)
-def _excess(s, q):  # type: ignore[no-untyped-def]
-    """sqrt(s^2 + q) - s without cancellation."""
+def _side(s, q):  # type: ignore[no-untyped-def]
+    """sqrt(s^2 + q), and what it is more than s without cancellation."""
     root = math.sqrt(s * s + q)
-    return q / (root + s) if s > 0.0 else root - s
+    return root, (q / (root + s) if s > 0.0 else root - s)
 
 
 @numba.njit(**OPTIONS)
-def _face_excesses(p_0, p_1, p_2, c, rho):  # type: ignore[no-untyped-def]
-    """rho_f of all faces: the areas of the triangles of p and the face's edges less the face's own.
+def _look_at_faces(p_0, p_1, p_2, c, seen):  # type: ignore[no-untyped-def]
+    """Areas n_k of the triangles of p and each face's edges, and the factor (A / g)^3 / rho^2.
 
-    Such a triangle has the area sqrt(s^2 + q), with s its projection's signed area and q = (h |e| / 2)^2, h the
-    height of p over the face's plane; the three s add up to the face's area. c (19, m): see `face_constants`.
+    A is the face's area, g = sum n_k, and rho = g - A is 0 on the face alone. n_k = sqrt(s_k^2 + q_k), where
+    s_k is the signed area of the triangle's projection, q_k = (h |e_k| / 2)^2 and h the height of p over the
+    face's plane; the s_k add up to A.
+
+    Args:
+        p_0, p_1, p_2: a point.
+        c: (20, m), see `face_constants`.
+        seen: (4, m) output.
     """
     for f in range(c.shape[1]):
         h = c[0, f] * p_0 + c[1, f] * p_1 + c[2, f] * p_2 - c[3, f]
         s_0 = c[4, f] * p_0 + c[5, f] * p_1 + c[6, f] * p_2 - c[7, f]
         s_1 = c[8, f] * p_0 + c[9, f] * p_1 + c[10, f] * p_2 - c[11, f]
         s_2 = c[12, f] * p_0 + c[13, f] * p_1 + c[14, f] * p_2 - c[15, f]
-        square = h * h
-        first = _excess(s_0, square * c[16, f] + TINY)
-        second = _excess(s_1, square * c[17, f] + TINY)
-        rho[f] = first + second + _excess(s_2, square * c[18, f] + TINY)
+        n_0, more_0 = _side(s_0, h * h * c[16, f] + TINY)
+        n_1, more_1 = _side(s_1, h * h * c[17, f] + TINY)
+        n_2, more_2 = _side(s_2, h * h * c[18, f] + TINY)
+        rho, ratio = more_0 + more_1 + more_2, c[19, f] / (n_0 + n_1 + n_2)
+        seen[0, f], seen[1, f], seen[2, f] = n_0, n_1, n_2
+        seen[3, f] = ratio * ratio * ratio / (rho * rho)
 
 
 @numba.njit(**OPTIONS)
-def _face_priors(p, faces, constants, rho, priors):  # type: ignore[no-untyped-def]
-    """Subtract log rho_f of each face from the log priors of its corners."""
-    _face_excesses(p[0], p[1], p[2], constants, rho)
+def _face_priors(p, faces, constants, seen, priors):  # type: ignore[no-untyped-def]
+    """Log priors of a mesh's vertices: of m_i = sum over its faces of n_i (A / g)^3 / rho^2.
+
+    n_i belongs to the edge opposite to the vertex.
+    """
+    _look_at_faces(p[0], p[1], p[2], constants, seen)
+    priors[:] = TINY
     for f in range(len(faces)):
-        value = math.log(rho[f] + TINY)
-        priors[faces[f, 0]] -= value
-        priors[faces[f, 1]] -= value
-        priors[faces[f, 2]] -= value
+        factor = seen[3, f]
+        priors[faces[f, 2]] += factor * seen[0, f]
+        priors[faces[f, 0]] += factor * seen[1, f]
+        priors[faces[f, 1]] += factor * seen[2, f]
+    for i in range(len(priors)):
+        priors[i] = math.log(priors[i])
 
 
 @numba.njit(**SUMMING)
@@ -194,7 +209,7 @@ def find_weights(x, priors, flat, w, state, trial):  # type: ignore[no-untyped-d
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
-def maximum_entropy(points, inside, vertices, elements, constants, offsets, result, residuals, steps):  # type: ignore[no-untyped-def]
+def maximum_entropy(points, inside, vertices, elements, constants, result, residuals, steps):  # type: ignore[no-untyped-def]
     """Maximum entropy coordinates of points inside; Hormann and Sukumar 2008.
 
     Args:
@@ -202,8 +217,7 @@ def maximum_entropy(points, inside, vertices, elements, constants, offsets, resu
         inside: (q,) indices of those that are inside and off the boundary.
         vertices: (3, n).
         elements: (e, 2) edges of a polygon or (m, 3) faces of a mesh.
-        constants: (1, e) lengths of the edges, or (19, m); see `face_constants`.
-        offsets: (n,) terms of the vertices' log priors that do not depend on the point.
+        constants: (1, e) lengths of the edges, or (20, m); see `face_constants`.
         result: (p, n) output; the rows of the points inside.
         residuals: (q,) output; |sum w_i x_i|.
         steps: (q,) output; evaluations that it took.
@@ -211,14 +225,14 @@ def maximum_entropy(points, inside, vertices, elements, constants, offsets, resu
     count, flat = vertices.shape[1], elements.shape[1] == 2
     for place in numba.prange(len(inside)):
         p = inside[place]
-        x, priors, state, trial = np.empty((3, count)), offsets.copy(), np.empty(12), np.empty(12)
+        x, priors, state, trial = np.empty((3, count)), np.empty(count), np.empty(12), np.empty(12)
         for k in range(3):
             for i in range(count):
                 x[k, i] = vertices[k, i] - points[p, k]
         if flat:
             _edge_priors(x, elements, constants, priors)
         else:
-            _face_priors(points[p], elements, constants, np.empty(len(elements)), priors)
+            _face_priors(points[p], elements, constants, np.empty((4, len(elements))), priors)
         total, residuals[place], steps[place] = find_weights(x, priors, flat, result[p], state, trial)
         for i in range(count):
             result[p, i] /= total

@@ -62,11 +62,8 @@ class MaximumEntropyCoordinates(Coordinates):
         self._boundary = mean_value_on(shape)
         positions = self._boundary.place(shape.vertices)
         self._elements = self._boundary.elements
-        self._constants, self._offsets = (
-            face_constants(positions, self._elements)
-            if isinstance(shape, Mesh)
-            else edge_constants(positions, self._elements)
-        )
+        constants = face_constants if isinstance(shape, Mesh) else edge_constants
+        self._constants = constants(positions, self._elements)
         self._vertices = np.ascontiguousarray(_in_space(positions).T)
 
     def weights(self, points: ArrayLike) -> Floats:
@@ -89,7 +86,6 @@ class MaximumEntropyCoordinates(Coordinates):
             self._vertices,
             self._elements,
             self._constants,
-            self._offsets,
             result,
             residuals,
             steps,
@@ -116,41 +112,26 @@ def _in_space(places: Floats) -> Floats:
     return np.ascontiguousarray(np.pad(places, [(0, 0), (0, 3 - places.shape[1])]))
 
 
-def edge_constants(positions: Floats, edges: Ints) -> tuple[Floats, Floats]:
-    """What the kernel needs of a polygon's edges: (1, e) lengths; and offsets (n,) of the log priors, 0."""
-    lengths = np.linalg.norm(positions[edges[:, 1]] - positions[edges[:, 0]], axis=1)
-    return lengths[None], np.zeros(len(positions))
+def edge_constants(positions: Floats, edges: Ints) -> Floats:
+    """What the kernel needs of a polygon's edges: their lengths, (1, e)."""
+    return np.linalg.norm(positions[edges[:, 1]] - positions[edges[:, 0]], axis=1)[None]
 
 
-def face_constants(positions: Floats, faces: Ints) -> tuple[Floats, Floats]:
-    """What the kernel needs of a mesh's faces, and the offsets (n,) of the log priors.
+def face_constants(positions: Floats, faces: Ints) -> Floats:
+    """What the kernel needs of a mesh's faces, (20, m).
 
-    Returns:
-        (19, m): for each face the plane's normal and height; of each edge the plane across it, in which the
-        projected triangle's signed area is linear, by its normal and height; and |e|^2 / 4 of each edge.
-        (n,): rho_f counts in units of half the face's perimeter times the surface's mean radius, or priors of
-        vertices with different numbers of faces would compare areas with squared areas.
+    The plane's normal and height; for each edge the plane across it in which the signed area of a projected
+    triangle is linear, by normal and height; |e|^2 / 4 of each edge; and the area.
     """
     corners = positions[faces]
     sides = np.roll(corners, -1, axis=1) - corners
     normals = np.cross(sides[:, 0], -sides[:, 2])
     doubled = np.linalg.norm(normals, axis=1)
-    normals = np.where((doubled > 0.0)[:, None], normals, _across(sides))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    # Faces without area have no weight, whatever their normal.
+    normals /= np.where(doubled > 0.0, doubled, 1.0)[:, None]
     inward = 0.5 * np.cross(normals[:, None], sides)
     rows = [normals.T, np.einsum("fi,fi->f", normals, corners[:, 0])[None]]
     for k in range(3):
         rows += [inward[:, k].T, np.einsum("fi,fi->f", inward[:, k], corners[:, k])[None]]
-    squares = np.einsum("fki,fki->kf", sides, sides)
-    radius = np.sqrt(0.5 * doubled.sum() / (4.0 * np.pi))
-    units = np.log(0.5 * radius * np.sqrt(squares).sum(axis=0))
-    offsets: Floats = np.bincount(faces.ravel(), np.repeat(units, 3), len(positions)).astype(np.float64)
-    constants = np.concatenate([*rows, 0.25 * squares]).astype(np.float64)
-    return np.ascontiguousarray(constants), offsets
-
-
-def _across(sides: Floats) -> Floats:
-    """A vector across each face's longest side (m, 3), for faces without area."""
-    longest = sides[np.arange(len(sides)), np.argmax((sides**2).sum(axis=2), axis=1)]
-    axis = np.eye(3)[np.argmin(np.abs(longest), axis=1)]
-    return np.cross(longest, axis)
+    quarters = 0.25 * np.einsum("fki,fki->kf", sides, sides)
+    return np.ascontiguousarray(np.concatenate([*rows, quarters, 0.5 * doubled[None]]))
