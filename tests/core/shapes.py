@@ -215,7 +215,7 @@ def star(count: int, depth: float = 0.4, arms: int = 5, size: float = 1.0) -> ND
 def outlines() -> dict[str, Outline]:
     """Polygons convex, concave, with holes and thin."""
     box = np.array([[0.0, 0], [3, 0], [3, 2], [0, 2]])
-    holes = [np.array([[0.5, 0.5], [0.5, 1.5], [1.2, 1]]), star(9, 0.3, 3, 0.4)[::-1] + [2.2, 1.0]]
+    holes = [np.array([[0.5, 0.5], [0.5, 1.5], [1.2, 1]]), star(9, 0.3, 3, 0.4)[::-1] + np.array([2.2, 1.0])]
     comb = [[0.0, 0], [5, 0], [5, 3], [4, 3], [4, 1], [3, 1], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]]
     return {
         "triangle": Outline(np.array([[0.0, 0], [1, 0], [0.2, 0.9]])),

@@ -1,8 +1,8 @@
 """Maximum entropy coordinates: priors of the vertices, and a safeguarded Newton method for each point.
 
 Notation as in docs/coordinates.md: x_i = v_i - p the vertices as seen from a point p, m_i their priors,
-w_i = m_i exp(-lambda . x_i) / Z the weights, mean = sum w_i x_i, which is to vanish. Everything is in units of
-the bounding box's diagonal. Flat shapes have a third coordinate 0.
+w_i = m_i exp(-lambda . x_i) / Z the weights, mean = sum w_i x_i, which is to vanish. Everything is in units
+of the bounding box's diagonal. Flat shapes have a third coordinate 0.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def _exponents(x, priors, l_0, l_1, l_2, w):  # type: ignore[no-untyped-def]
 
 @numba.njit(**OPTIONS)
 def _look(x, priors, multipliers, w, state):  # type: ignore[no-untyped-def]
-    """Weights at some lambda, not normalised, and the state: their sum, log Z, the mean and the covariance."""
+    """Weights at some lambda, not normalised, and the state: sum, mean, covariance, log Z, |mean|."""
     top = _exponents(x, priors, multipliers[0], multipliers[1], multipliers[2], w)
     for i in range(len(w)):
         depth = w[i] - top

@@ -1,7 +1,8 @@
 """Points against the edges of a polygon: where they are, and their mean value coordinates.
 
-Notation as in docs/coordinates.md: x a query point, for an edge from a to b the distances r_a, r_b from x, the
-cross product A and the dot product D of a - x and b - x. Everything is in units of the bounding box's diagonal.
+Notation as in docs/coordinates.md: x a query point, for an edge from a to b the distances r_a, r_b from x,
+the cross product A and the dot product D of a - x and b - x. Everything is in units of the bounding box's
+diagonal.
 """
 
 from __future__ import annotations

@@ -172,7 +172,9 @@ class MeshMeanValue(Boundary):
         inside[on] = False
         vertices = np.array([landed[point][0] for point in on], dtype=np.int64).reshape(-1, 3)
         shares = np.array([landed[point][1] for point in on]).reshape(-1, 3)
-        return Whereabouts(np.flatnonzero(inside), on, vertices, shares)
+        # Rounding leaves shares a hair below 0 on edges.
+        shares = np.maximum(shares, 0.0)
+        return Whereabouts(np.flatnonzero(inside), on, vertices, shares / shares.sum(axis=1, keepdims=True))
 
     @property
     def normalised_mesh(self) -> tuple[Floats, Ints]:

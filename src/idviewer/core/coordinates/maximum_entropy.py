@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core._kernels.entropy import maximum_entropy
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
-from idviewer.core.mesh import Mesh
 from idviewer.core.shape import Shape, as_points
 
 Floats = NDArray[np.float64]
@@ -62,7 +61,7 @@ class MaximumEntropyCoordinates(Coordinates):
         self._boundary = mean_value_on(shape)
         positions = self._boundary.place(shape.vertices)
         self._elements = self._boundary.elements
-        constants = face_constants if isinstance(shape, Mesh) else edge_constants
+        constants = face_constants if shape.dimension == 3 else edge_constants
         self._constants = constants(positions, self._elements)
         self._vertices = np.ascontiguousarray(_in_space(positions).T)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +20,7 @@ Floats = NDArray[np.float64]
 
 def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:
     """The evaluator for a shape; it knows, too, which points are inside and on the boundary."""
-    return MeshMeanValue(shape) if isinstance(shape, Mesh) else PolygonMeanValue(shape)
+    return MeshMeanValue(cast(Mesh, shape)) if shape.dimension == 3 else PolygonMeanValue(shape)
 
 
 @coordinates

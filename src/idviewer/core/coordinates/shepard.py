@@ -26,9 +26,9 @@ class ShepardCoordinates(Coordinates):
 
     a_i is the vertex's part of the boundary: half the length of its edges, a third of the area of its faces.
     In the plane, on evenly sampled polygons, these are Shepard's weights of 1968 with his power 2. The parts
-    make a fine and a coarse stretch of the boundary count alike; and k is the dimension because the sums then
-    tend to an integral with the Poisson kernel's power, |p - v|^-k, under refinement. With k = 2 in space, that
-    integral would diverge so slowly near a surface that vertices on the far side would still be seen there.
+    make a fine and a coarse stretch of the boundary count alike. k is the dimension because the sums then tend,
+    under refinement, to an integral with the power of the Poisson kernel. With k = 2 in space, that integral
+    would diverge so slowly near a surface that the vertices on the far side would still be seen there.
 
     Between vertices, also on edges and faces, they are not linear. Source: Shepard, "A two-dimensional
     interpolation function for irregularly-spaced data", 1968.
@@ -85,7 +85,7 @@ class ShepardCoordinates(Coordinates):
 
 
 def boundary_parts(vertices: Floats, elements: NDArray[np.int64]) -> Floats:
-    """Each vertex's part (n,) of the boundary: edges (e, 2) or faces (m, 3), shared equally by their vertices."""
+    """Each vertex's part (n,) of the boundary: of edges (e, 2) or faces (m, 3), shared equally."""
     sides = vertices[elements[:, 1:]] - vertices[elements[:, :1]]
     normals = sides[:, 0] if elements.shape[1] == 2 else np.cross(sides[:, 0], sides[:, 1])
     sizes = np.repeat(np.linalg.norm(normals, axis=1), elements.shape[1])
