@@ -26,8 +26,8 @@ class ShepardCoordinates(Coordinates):
 
     a_i is the vertex's part of the boundary: half the length of its edges, a third of the area of its faces.
     In the plane, on evenly sampled polygons, these are Shepard's weights of 1968 with his power 2. The parts
-    make a fine and a coarse stretch of the boundary count alike. k is the dimension because the sums then tend,
-    under refinement, to an integral with the power of the Poisson kernel. With k = 2 in space, that integral
+    make a fine and a coarse stretch of the boundary count alike. k is the dimension because the sums then
+    tend, under refinement, to an integral with the power of the Poisson kernel. With k = 2 in space, that integral
     would diverge so slowly near a surface that the vertices on the far side would still be seen there.
 
     Between vertices, also on edges and faces, they are not linear. Source: Shepard, "A two-dimensional
@@ -40,7 +40,7 @@ class ShepardCoordinates(Coordinates):
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     >>> ShepardCoordinates(tetrahedron).weights([[0.0, 1.0, 0.0], [0.2, 0.2, 0.2]]).round(3).tolist()
-    [[0.0, 0.0, 1.0, 0.0], [0.72, 0.093, 0.093, 0.093]]
+    [[0.0, 0.0, 1.0, 0.0], [0.797, 0.068, 0.068, 0.068]]
     """
 
     name = "shepard"
