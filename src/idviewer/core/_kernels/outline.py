@@ -82,40 +82,48 @@ def locate(points, ends, tolerance):  # type: ignore[no-untyped-def]
     return edge, share, turns
 
 
-@numba.njit(parallel=True, cache=True, **OPTIONS)
-def mean_value(points, inside, vertices, edges, result):  # type: ignore[no-untyped-def]
-    """Mean value coordinates of points inside; Hormann and Floater 2006, eq. 6, for any set of edges.
+@numba.njit(**OPTIONS)
+def _tangents(x, y, ends, tangents):  # type: ignore[no-untyped-def]
+    """tan(alpha / 2) of the signed angles under which edges are seen; a loop without branches.
 
-    tan(alpha / 2) = A / (r_a r_b + D) = (r_a r_b - D) / A, whichever has nothing that cancels: the first for
-    acute angles, the second for obtuse ones, where A is far from 0 off the edge.
+    = A / (r_a r_b + D) = (r_a r_b - D) / A, whichever has nothing that cancels: the first for acute angles,
+    the second for obtuse ones, where A is far from 0 off the edge.
+    """
+    for e in range(ends.shape[1]):
+        a_0, a_1, b_0, b_1 = ends[0, e] - x, ends[1, e] - y, ends[2, e] - x, ends[3, e] - y
+        product = math.sqrt((a_0 * a_0 + a_1 * a_1) * (b_0 * b_0 + b_1 * b_1))
+        cross, dot = a_0 * b_1 - a_1 * b_0, a_0 * b_0 + a_1 * b_1
+        acute = dot >= 0.0
+        tangents[e] = (cross if acute else product - dot) / (product + dot if acute else cross)
+
+
+@numba.njit(parallel=True, cache=True, **OPTIONS)
+def mean_value(points, inside, vertices, edges, ends, result):  # type: ignore[no-untyped-def]
+    """Mean value coordinates of points inside; Hormann and Floater 2006, for any set of edges.
 
     Args:
         points: (p, 2).
         inside: (q,) indices of those that are inside and on no edge.
-        vertices: (n, 2).
+        vertices: (2, n).
         edges: (e, 2) from a vertex to the next, the interior on the left.
+        ends: (4, e) coordinates of the two ends of each edge.
         result: (p, n) output; the rows of the points inside.
     """
-    count = len(vertices)
     for place in numba.prange(len(inside)):
         p = inside[place]
         x, y = points[p, 0], points[p, 1]
-        row, distances = result[p], np.empty(count)
-        for i in range(count):
-            d_0, d_1 = vertices[i, 0] - x, vertices[i, 1] - y
-            distances[i], row[i] = math.sqrt(d_0 * d_0 + d_1 * d_1), 0.0
+        row, tangents = result[p], np.empty(len(edges))
+        _tangents(x, y, ends, tangents)
+        row[:] = 0.0
         for e in range(len(edges)):
-            i, j = edges[e, 0], edges[e, 1]
-            a_0, a_1 = vertices[i, 0] - x, vertices[i, 1] - y
-            b_0, b_1 = vertices[j, 0] - x, vertices[j, 1] - y
-            product, dot = distances[i] * distances[j], a_0 * b_0 + a_1 * b_1
-            cross = a_0 * b_1 - a_1 * b_0
-            tangent = cross / (product + dot) if dot >= 0.0 else (product - dot) / cross
-            row[i] += tangent
-            row[j] += tangent
+            row[edges[e, 0]] += tangents[e]
+            row[edges[e, 1]] += tangents[e]
+        for i in range(len(row)):
+            d_0, d_1 = vertices[0, i] - x, vertices[1, i] - y
+            row[i] /= math.sqrt(d_0 * d_0 + d_1 * d_1)
         total = 0.0
-        for i in range(count):
-            row[i] /= distances[i]
+        for i in range(len(row)):
             total += row[i]
-        for i in range(count):
-            row[i] /= total
+        scale = 1.0 / total
+        for i in range(len(row)):
+            row[i] *= scale

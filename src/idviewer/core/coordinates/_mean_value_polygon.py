@@ -24,8 +24,9 @@ class PolygonMeanValue(Boundary):
     def __init__(self, polygon: Shape) -> None:
         super().__init__(polygon)
         self.elements = np.ascontiguousarray(polygon.edges)
-        self._vertices = self.place(polygon.vertices)
-        self._ends = np.ascontiguousarray(self._vertices[self.elements].reshape(-1, 4).T)
+        vertices = self.place(polygon.vertices)
+        self._vertices = np.ascontiguousarray(vertices.T)
+        self._ends = np.ascontiguousarray(vertices[self.elements].reshape(-1, 4).T)
 
     def locate(self, points: Floats) -> Whereabouts:
         """Which of points (p, 2) are inside, and which on an edge."""
@@ -37,5 +38,5 @@ class PolygonMeanValue(Boundary):
     def weights(self, points: ArrayLike) -> Floats:
         """(p, n) rows that sum to 1 of points (p, 2); NaN for points outside."""
         places, where, result = self.rows(as_points(points, 2))
-        mean_value(places, where.inside, self._vertices, self.elements, result)
+        mean_value(places, where.inside, self._vertices, self.elements, self._ends, result)
         return result
