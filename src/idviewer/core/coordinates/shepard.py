@@ -27,8 +27,8 @@ class ShepardCoordinates(Coordinates):
     a_i is the vertex's part of the boundary: half the length of its edges, a third of the area of its faces.
     In the plane, on evenly sampled polygons, these are Shepard's weights of 1968 with his power 2. The parts
     make a fine and a coarse stretch of the boundary count alike. k is the dimension because the sums then
-    tend, under refinement, to an integral with the power of the Poisson kernel. With k = 2 in space, that integral
-    would diverge so slowly near a surface that the vertices on the far side would still be seen there.
+    tend, under refinement, to an integral with the power of the Poisson kernel. With k = 2 in space, that
+    integral would diverge so slowly near a surface that the vertices on the far side would still be seen.
 
     Between vertices, also on edges and faces, they are not linear. Source: Shepard, "A two-dimensional
     interpolation function for irregularly-spaced data", 1968.
