@@ -13,8 +13,8 @@ from idviewer.core._kernels.clusters import CLEARANCE
 from idviewer.core._kernels.expansion import INDICES, TABLES, monomials
 from idviewer.core.approximation import FINEST, Approximation
 from idviewer.core.cluster_tree import ClusterTree
+from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 from idviewer.core.interior import extent
-from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.steps import finish
 
 DEPTHS = (0.0, 1e-9, 1e-6, 1e-3)
@@ -69,7 +69,7 @@ def values_on(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
 def inner_points(mesh: Mesh, rng: np.random.Generator, count: int) -> np.ndarray:
     """Random points inside, told apart by the exact coordinates, which have tests of their own."""
     points = rng.uniform(*mesh.bounds, size=(12 * count, 3))
-    found = finish(MeanValueCoordinates(mesh).interpolate_steps(points, np.ones((len(mesh.vertices), 1))))
+    found = finish(MeshMeanValue(mesh).interpolate_steps(points, np.ones((len(mesh.vertices), 1))))
     return points[np.isfinite(found[:, 0])][:count]
 
 
@@ -89,7 +89,7 @@ def points_in(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
 def test_the_error_stays_below_the_tolerance_everywhere(name, tolerance, rng):
     mesh = BODIES[name]
     values, points = values_on(mesh, rng), points_in(mesh, rng)
-    coordinates = MeanValueCoordinates(mesh)
+    coordinates = MeshMeanValue(mesh)
     weights = np.full(20, 1 / extent(values))
     exact = finish(coordinates.interpolate_steps(points, values))
     near = finish(coordinates.approximation(values, weights).interpolate_steps(points, tolerance))
@@ -127,10 +127,10 @@ def test_the_tree_is_what_answers(rng):
     """Not the exact loop behind it: all points of a smooth body pass the check at once."""
     mesh = BODIES["bumpy sphere"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
-    coordinates = MeanValueCoordinates(mesh)
+    coordinates = MeshMeanValue(mesh)
     tree, columns = finish(coordinates.approximation(values, np.ones(20)).prepare_steps(1e-3))
     assert len(columns) == 20
-    _, doubtful = carried(tree, coordinates.normalised(points), 1e-3, 1e-3)
+    _, doubtful = carried(tree, coordinates.place(points), 1e-3, 1e-3)
     assert doubtful.mean() < 0.05
 
 
@@ -145,10 +145,10 @@ def carried(tree: ClusterTree, points: np.ndarray, tolerance: float, bound: floa
 def test_the_check_finds_a_tree_that_is_too_coarse(rng):
     mesh = BODIES["torus"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
-    coordinates = MeanValueCoordinates(mesh)
+    coordinates = MeshMeanValue(mesh)
     weights = np.full(20, 1 / extent(values))
     tree, _ = finish(coordinates.approximation(values, weights).prepare_steps(1e-1))
-    near, doubtful = carried(tree, coordinates.normalised(points), 1e-1, 1e-4)
+    near, doubtful = carried(tree, coordinates.place(points), 1e-1, 1e-4)
     exact = finish(coordinates.interpolate_steps(points, values))
     wrong = np.linalg.norm(weights * (near - exact), axis=1) > 1e-3
     assert wrong.any()
@@ -158,7 +158,7 @@ def test_the_check_finds_a_tree_that_is_too_coarse(rng):
 def test_below_the_finest_tolerance_everything_is_exact(rng):
     mesh = BODIES["torus"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 50)
-    coordinates = MeanValueCoordinates(mesh)
+    coordinates = MeshMeanValue(mesh)
     exact = finish(coordinates.interpolate_steps(points, values))
     approximation = coordinates.approximation(values, np.ones(20))
     for tolerance in (0.99 * FINEST, 1e-15, 1e-300):
@@ -169,7 +169,7 @@ def test_below_the_finest_tolerance_everything_is_exact(rng):
 def test_on_the_surface_values_are_those_of_the_surface(rng):
     mesh = BODIES["bumpy sphere"]
     values = values_on(mesh, rng)
-    approximation = MeanValueCoordinates(mesh).approximation(values, np.ones(20))
+    approximation = MeshMeanValue(mesh).approximation(values, np.ones(20))
     shares = rng.dirichlet([1, 1, 1], size=40)
     shares[:10] = np.eye(3)[rng.integers(3, size=10)]
     shares[10:20, 0], shares[10:20, 1] = 0.0, 1 - shares[10:20, 2]
@@ -182,7 +182,7 @@ def test_on_the_surface_values_are_those_of_the_surface(rng):
 
 def test_points_outside_are_nan_wherever_they_are(rng):
     mesh = BODIES["torus"]
-    approximation = MeanValueCoordinates(mesh).approximation(values_on(mesh, rng), np.ones(20))
+    approximation = MeshMeanValue(mesh).approximation(values_on(mesh, rng), np.ones(20))
     size, middle = mesh.diagonal, mesh.bounds.mean(axis=0)
     directions = rng.normal(size=(20, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
@@ -198,10 +198,8 @@ def test_size_and_place_do_not_matter(size, rng):
     mesh = BODIES["bumpy sphere"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 100)
     shift = np.array([1e5, -2e5, 3e5])
-    here = MeanValueCoordinates(mesh).approximation(values, np.ones(20))
-    there = MeanValueCoordinates(Mesh((mesh.vertices + shift) * size, mesh.faces)).approximation(
-        values, np.ones(20)
-    )
+    here = MeshMeanValue(mesh).approximation(values, np.ones(20))
+    there = MeshMeanValue(Mesh((mesh.vertices + shift) * size, mesh.faces)).approximation(values, np.ones(20))
     np.testing.assert_allclose(
         finish(there.interpolate_steps((points + shift) * size, 1e-3)),
         finish(here.interpolate_steps(points, 1e-3)),
@@ -213,7 +211,7 @@ def test_size_and_place_do_not_matter(size, rng):
 def test_any_number_of_points(count, rng):
     mesh = BODIES["bumpy sphere"]
     values = values_on(mesh, rng)
-    coordinates = MeanValueCoordinates(mesh)
+    coordinates = MeshMeanValue(mesh)
     points = np.repeat(inner_points(mesh, rng, 70), 10, axis=0)[:count]
     near = finish(coordinates.approximation(values, np.full(20, 0.1)).interpolate_steps(points, 1e-3))
     assert near.shape == (count, 20)
@@ -224,7 +222,7 @@ def test_columns_that_count_nothing_are_left_out(rng):
     mesh = BODIES["torus"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 20)
     weights = np.where(np.arange(20) < 5, 1.0, 1e-9)
-    near = finish(MeanValueCoordinates(mesh).approximation(values, weights).interpolate_steps(points, 1e-3))
+    near = finish(MeshMeanValue(mesh).approximation(values, weights).interpolate_steps(points, 1e-3))
     assert (near[:, 5:] == 0.0).all()
     assert (near[:, :5] != 0.0).all()
 
@@ -240,9 +238,9 @@ def test_what_serves_several_distances_counts_the_worst_of_them():
 def test_building_and_evaluating_can_be_left_at_any_step(rng):
     mesh = BODIES["torus"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
-    approximation = MeanValueCoordinates(mesh).approximation(values, np.full(20, 0.1))
+    approximation = MeshMeanValue(mesh).approximation(values, np.full(20, 0.1))
     expected = finish(
-        MeanValueCoordinates(mesh).approximation(values, np.full(20, 0.1)).interpolate_steps(points, 1e-3)
+        MeshMeanValue(mesh).approximation(values, np.full(20, 0.1)).interpolate_steps(points, 1e-3)
     )
     for stop in (1, 2, 5):
         steps = approximation.interpolate_steps(points, 1e-3)
@@ -350,7 +348,7 @@ def test_an_approximation_says_nothing_of_meshes_too_small_to_cut(rng):
     """A tetrahedron is one leaf."""
     mesh = Mesh(*shapes.tetrahedron())
     values = rng.normal(size=(4, 3))
-    coordinates = MeanValueCoordinates(mesh)
+    coordinates = MeshMeanValue(mesh)
     points = inner_points(mesh, rng, 20)
     near = finish(Approximation(coordinates, values, np.ones(3)).interpolate_steps(points, 1e-4))
     np.testing.assert_allclose(near, finish(coordinates.interpolate_steps(points, values)), atol=1e-5)

@@ -158,7 +158,7 @@ def test_distances_that_need_no_spectrum_have_none(mesh):
 
 
 def test_bad_arguments_are_named(mesh):
-    with pytest.raises(ValueError, match="unknown coordinates 'shepherd'; there are: mean_value"):
+    with pytest.raises(ValueError, match="unknown coordinates 'shepherd'; there are: mean_value, max"):
         InteriorDistance(mesh, coordinates="shepherd")
     with pytest.raises(ValueError, match="rtol"):
         InteriorDistance(mesh, rtol=-1)

@@ -10,7 +10,8 @@ from tests.core import shapes
 from tests.core.test_mean_value import BODIES
 
 from idviewer.core._kernels.surface import patched
-from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
+from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
+from idviewer.core.coordinates.mean_value import mean_value_weights
 from idviewer.core.mesh import Mesh
 
 Wide = np.longdouble
@@ -126,7 +127,7 @@ def test_faces_of_hardly_any_area_do_no_harm(lift, atol, rng):
     diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
     mesh = SimpleNamespace(vertices=extended, faces=split, bounds=bounds, diagonal=diagonal)
     points = rng.dirichlet(np.ones(4), 40) @ vertices
-    weights = MeanValueCoordinates(mesh).weights(points)
+    weights = MeshMeanValue(mesh).weights(points)
     np.testing.assert_allclose(weights @ extended, points, atol=1e-14)
     without = SimpleNamespace(vertices=extended, faces=split[:-1])
     np.testing.assert_allclose(weights, wide_weights(without, points), atol=atol)

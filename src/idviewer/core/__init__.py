@@ -5,6 +5,8 @@ Symposium on Geometry Processing 2009; "the paper" in these pages.
 """
 
 from idviewer.core.barycentroid import Barycentroid
+from idviewer.core.coordinates import COORDINATES, Coordinates, Property
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.diagnosis import diagnose
 from idviewer.core.distances import (
     DISTANCES,
@@ -16,7 +18,7 @@ from idviewer.core.distances import (
     Parameter,
     parameters_of,
 )
-from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
+from idviewer.core.interior import InteriorDistance, interior_distance
 from idviewer.core.io import read_mesh
 from idviewer.core.laplacian import (
     cotangent_laplacian,
@@ -26,7 +28,6 @@ from idviewer.core.laplacian import (
     voronoi_areas,
     voronoi_lengths,
 )
-from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.plane import Plane
 from idviewer.core.polygon import Polygon, PolygonError
@@ -43,6 +44,7 @@ __all__ = [
     "GPS",
     "Barycentroid",
     "Biharmonic",
+    "Coordinates",
     "Diffusion",
     "Distance",
     "Euclidean",
@@ -54,6 +56,7 @@ __all__ = [
     "Plane",
     "Polygon",
     "PolygonError",
+    "Property",
     "Section",
     "Shape",
     "ShapeError",

@@ -13,7 +13,7 @@ from idviewer.core._kernels.arrival import Target
 from idviewer.core.cluster_tree import ClusterTree
 
 if TYPE_CHECKING:
-    from idviewer.core.mean_value import MeanValueCoordinates
+    from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -41,7 +41,7 @@ class Approximation:
         weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
     """
 
-    def __init__(self, coordinates: MeanValueCoordinates, values: Floats, weights: Floats) -> None:
+    def __init__(self, coordinates: MeshMeanValue, values: Floats, weights: Floats) -> None:
         self._coordinates, self._values, self._weights = coordinates, values, weights
         self._trees: dict[int, tuple[ClusterTree, Ints]] = {}
 
@@ -59,7 +59,7 @@ class Approximation:
             return (yield from self._coordinates.interpolate_steps(points, self._values))
         tree, columns = yield from self.prepare_steps(tolerance)
         result = np.zeros((len(points), self._values.shape[1]))
-        places = self._coordinates.normalised(points)
+        places = self._coordinates.place(points)
         # All that is farther out than the corners of the bounding box is outside.
         near = np.abs(places).max(axis=1, initial=0.0) <= 0.5
         result[~near] = np.nan
@@ -84,7 +84,7 @@ class Approximation:
                 self._values[:, columns],
                 self._weights[columns],
                 10.0**power,
-                self._coordinates.on_surface,
+                self._coordinates.tolerance,
             )
             self._trees[power] = tree, columns
         return self._trees[power]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
 from idviewer.core._kernels.ears import cut_ears
 from idviewer.core._kernels.surface import patched
-from idviewer.core.mean_value import MeanValueCoordinates
+from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
+from idviewer.core.coordinates.maximum_entropy import MaximumEntropyCoordinates
+from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.mesh import Mesh
 from idviewer.core.steps import finish
 
@@ -21,7 +24,7 @@ def compile_steps() -> Generator[float, None, None]:
     corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
     scratch, landing = kernels.scratch_for(surface, 1), kernels.no_landing(1)
-    approximation = MeanValueCoordinates(spindle).approximation(corners, np.ones(3))
+    approximation = MeshMeanValue(spindle).approximation(corners, np.ones(3))
     calls: list[Callable[[], object]] = [
         lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),
@@ -36,12 +39,25 @@ def compile_steps() -> Generator[float, None, None]:
             (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
+        lambda: mean_value_on(_Triangle()).weights(np.full((1, 2), 0.2)),
+        lambda: MaximumEntropyCoordinates(spindle).weights(np.full((1, 3), 0.1)),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]
     for done, call in enumerate(calls):
         call()
         yield (done + 1) / len(calls)
+
+
+class _Triangle:
+    """As much of a polygon as coordinates ask for."""
+
+    dimension: ClassVar[int] = 2
+    name = "triangle"
+    vertices = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    edges = np.array([[0, 1], [1, 2], [2, 0]])
+    bounds = np.array([[0.0, 0.0], [1.0, 1.0]])
+    diagonal = 2.0**0.5
 
 
 def _spindle(sides: int) -> Mesh:

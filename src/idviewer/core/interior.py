@@ -11,19 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
+from idviewer.core.coordinates import coordinates_of
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.laplacian import masses_of
-from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.mesh import Mesh
 from idviewer.core.shape import as_points
 from idviewer.core.spectrum import Spectrum, eigenpairs
 from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
-
-COORDINATES = {MeanValueCoordinates.name: MeanValueCoordinates}
-"""Every kind of barycentric coordinates by its name."""
-
 
 OF_A_POINT = 0.5
 """Part of a distance's error that each of its ends may cause."""
@@ -41,11 +37,11 @@ class InteriorDistance:
         distance: the boundary distance, the diffusion distance by default.
         coordinates: the name of the barycentric coordinates.
         rtol: largest error of distances between embedded points, as a share of the largest boundary
-            distance; 0 is exact. See docs/cluster_tree.md.
+            distance; 0 is exact, and so are coordinates without an approximation. See docs/cluster_tree.md.
         spectrum: eigenpairs computed before, to save computing them again.
 
     Raises:
-        ValueError: unknown coordinates, or a negative rtol.
+        ValueError: unknown coordinates, or ones for another dimension, or a negative rtol.
         MeshError: the distance asks for more eigenpairs than the mesh carries.
 
     >>> from idviewer.core import Euclidean, Mesh
@@ -64,14 +60,12 @@ class InteriorDistance:
         rtol: float = 0.0,
         spectrum: Spectrum | None = None,
     ) -> None:
-        if coordinates not in COORDINATES:
-            raise ValueError(f"unknown coordinates {coordinates!r}; there are: {', '.join(COORDINATES)}")
         if not 0.0 <= rtol < 1.0:
             raise ValueError(f"rtol must lie in [0, 1), not {rtol}")
         self.mesh = mesh
         self.distance_kind: Distance = Diffusion() if distance is None else distance
         self.rtol = rtol
-        self.coordinates = COORDINATES[coordinates](mesh)
+        self.coordinates = coordinates_of(mesh, coordinates)
         if spectrum is None and self.distance_kind.spectral:
             spectrum = eigenpairs(mesh, self.distance_kind.cutoff)
         self._spectrum = spectrum
@@ -79,7 +73,7 @@ class InteriorDistance:
         self.basis.setflags(write=False)
         masses = masses_of(mesh) if spectrum is None else spectrum.masses
         self._mean = (masses @ self.basis) / masses.sum()
-        self._approximations: dict[bytes, Approximation] = {}
+        self._approximations: dict[bytes, Approximation | None] = {}
         self.scale = self.distance_kind.scale(spectrum)
         self.centre = self._mean * self.scale
 
@@ -156,10 +150,10 @@ class InteriorDistance:
             (p, k), NaN for points outside the mesh.
         """
         points, rtol = as_points(points, self.mesh.dimension), self.rtol if rtol is None else rtol
-        if rtol == 0.0:
+        approximation = None if rtol == 0.0 else self._approximation(weights)
+        if approximation is None:
             return (yield from self.coordinates.interpolate_steps(points, self.basis))
-        steps = self._approximation(weights).interpolate_steps(points, OF_A_POINT * rtol)
-        return (yield from steps)
+        return (yield from approximation.interpolate_steps(points, OF_A_POINT * rtol))
 
     def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:
         """What an error of each column of the basis counts, (k,), in largest boundary distances.
@@ -170,7 +164,7 @@ class InteriorDistance:
         scales = [self.scale, *(distance.scale(self._spectrum) for distance in distances)]
         return np.max([np.abs(scale) / extent(self.basis * scale) for scale in scales], axis=0)
 
-    def _approximation(self, weights: Floats | None) -> Approximation:
+    def _approximation(self, weights: Floats | None) -> Approximation | None:
         weights = self._own_weights if weights is None else weights
         key = weights.tobytes()
         if key not in self._approximations:
@@ -241,6 +235,17 @@ class InteriorDistance:
         """`potential` as a generator that yields the share done every few milliseconds."""
         samples = yield from self.sample_steps(points)
         return np.linalg.norm(samples * self.scale - self.centre, axis=1)
+
+    def negativity(self, points: ArrayLike) -> Floats:
+        """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
+
+        Args:
+            points: (p, 3).
+
+        Returns:
+            (p,), NaN for points outside the mesh.
+        """
+        return finish(self.coordinates.negativity_steps(points))
 
     def barycentroid(self) -> Barycentroid:
         """The point inside where the potential is smallest; see `idviewer.core.barycentroid`."""

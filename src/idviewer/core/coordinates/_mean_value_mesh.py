@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core import _kernels
 from idviewer.core._kernels.surface import curve_order, patched
 from idviewer.core.approximation import Approximation
+from idviewer.core.coordinates._boundary import Boundary, Whereabouts
 from idviewer.core.mesh import Mesh
 from idviewer.core.shape import as_points
 
@@ -24,39 +25,20 @@ FACE_VISITS = 2e6
 """Work between two checkpoints, in faces times points: 5 to 10 ms on two cores."""
 
 
-class MeanValueCoordinates:
+class MeshMeanValue(Boundary):
     """Evaluates mean value coordinates of one mesh.
 
-    They are smooth, add up to 1, reproduce linear functions and interpolate on the surface (vertex,
-    edge and face alike); they may be negative in concave shapes. Source: Ju, Schaefer and Warren 2005,
-    evaluated without trigonometry (docs/mean_value.md).
+    Source: Ju, Schaefer and Warren 2005, evaluated without trigonometry (docs/mean_value.md).
 
     Args:
         mesh: n vertices.
-
-    Attributes:
-        on_surface: how near the surface a point counts as lying on it, in diagonals of the bounding box.
-
-    >>> from idviewer.core import Mesh
-    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
-    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> MeanValueCoordinates(tetrahedron).weights([[0.1, 0.2, 0.3]]).round(12).tolist()
-    [[0.4, 0.1, 0.2, 0.3]]
     """
 
-    name = "mean_value"
-    title = "Mean value coordinates"
-
     def __init__(self, mesh: Mesh) -> None:
-        self._mesh = mesh
-        self._centre = mesh.bounds.mean(axis=0)
-        self._scale = 1.0 / mesh.diagonal
+        super().__init__(mesh)
+        self._mesh, self.elements = mesh, mesh.faces
         self._surface = patched(*self.normalised_mesh)
-        self._vertex_count = len(mesh.vertices)
         self._arranged: tuple[Floats, Floats] | None = None
-        # Rounding of the input coordinates, which is large on a mesh far from the origin.
-        reach = float(np.abs(mesh.bounds).max()) * self._scale
-        self.on_surface = 64.0 * float(np.finfo(float).eps) * (1.0 + reach)
 
     def weights(self, points: ArrayLike) -> Floats:
         """Coordinates of points with respect to every vertex.
@@ -68,7 +50,7 @@ class MeanValueCoordinates:
             (p, n) rows that sum to 1; NaN for points outside the mesh.
         """
         points = as_points(points, 3)
-        result = np.empty((len(points), self._vertex_count))
+        result = np.empty((len(points), self._count))
         for chosen, packed in self._batches(points, len(points)):
             places = np.full((len(packed), _kernels.LANES), -1)
             places.ravel()[: len(chosen)] = chosen
@@ -129,7 +111,7 @@ class MeanValueCoordinates:
         blocks, parts = product[1].shape[:2]
         landing, totals = _kernels.no_landing(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
         _kernels.weigh(
-            packed, self._surface, self.on_surface, self._scratch, landing, totals, kept, product, weights
+            packed, self._surface, self.tolerance, self._scratch, landing, totals, kept, product, weights
         )
         landed = []
         for unit, lane in np.argwhere(landing.touched).tolist():
@@ -169,7 +151,7 @@ class MeanValueCoordinates:
         """
         lanes = _kernels.LANES
         at_once = max(1, math.ceil(size / (lanes * self._workers))) * lanes * self._workers
-        normalised = self.normalised(points)
+        normalised = self.place(points)
         order = curve_order(np.where(np.isfinite(normalised), normalised, 0.0).clip(-1.0, 1.0))
         for start in range(0, len(points), at_once):
             chosen = order[start : start + at_once]
@@ -178,34 +160,27 @@ class MeanValueCoordinates:
             packed = normalised[padded].reshape(blocks, lanes, 3).transpose(0, 2, 1)
             yield chosen, np.ascontiguousarray(packed)
 
+    def locate(self, points: Floats) -> Whereabouts:
+        """Which of points (p, 3) are inside, and which on the surface."""
+        nothing = np.zeros((1, len(self._surface.vertices), _kernels.LANES))
+        inside, landed = np.zeros(len(points), dtype=bool), {}
+        for chosen, packed in self._batches(points, len(points)):
+            landing, carried = self._interpolated(packed, len(chosen), nothing)
+            inside[chosen] = np.isfinite(carried[:, 0])
+            landed.update({int(chosen[at]): where for at, *where in landing if at < len(chosen)})
+        on = np.array(sorted(landed), dtype=np.int64)
+        inside[on] = False
+        vertices = np.array([landed[point][0] for point in on], dtype=np.int64).reshape(-1, 3)
+        shares = np.array([landed[point][1] for point in on]).reshape(-1, 3)
+        # Rounding leaves shares a hair below 0 on edges.
+        shares = np.maximum(shares, 0.0)
+        return Whereabouts(np.flatnonzero(inside), on, vertices, shares / shares.sum(axis=1, keepdims=True))
+
     @property
     def normalised_mesh(self) -> tuple[Floats, Ints]:
         """Positions (n, 3) as the kernels want them, and the faces (m, 3)."""
-        return self.normalised(self._mesh.vertices), self._mesh.faces
-
-    def normalised(self, points: Floats) -> Floats:
-        """Points (p, 3) in units of the bounding box's diagonal, about its centre."""
-        return (points - self._centre) * self._scale
+        return self.place(self._mesh.vertices), self._mesh.faces
 
     def approximation(self, values: Floats, weights: Floats) -> Approximation:
         """Values (n, k) ready to be carried inside within a tolerance; see `Approximation`."""
         return Approximation(self, values, weights)
-
-
-def mean_value_weights(mesh: Mesh, points: ArrayLike) -> Floats:
-    """Mean value coordinates of points; for many calls on one mesh keep a `MeanValueCoordinates`.
-
-    Args:
-        mesh: n vertices.
-        points: (p, 3).
-
-    Returns:
-        (p, n) rows that sum to 1; NaN for points outside the mesh.
-
-    >>> from idviewer.core import Mesh
-    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
-    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> mean_value_weights(tetrahedron, [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).round(12).tolist()
-    [[1.0, 0.0, 0.0, 0.0], [nan, nan, nan, nan]]
-    """
-    return MeanValueCoordinates(mesh).weights(points)

@@ -1,0 +1,21 @@
+"""Barycentric coordinates: what carries values at the vertices of a shape to the points inside.
+
+A kind of coordinates is a class in a module of this package, which the decorator `coordinates` enters in
+`COORDINATES`; menus and the command line are built from that table.
+"""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from idviewer.core.coordinates.registry import (
+    COORDINATES,
+    Coordinates,
+    Property,
+    coordinates,
+    coordinates_of,
+)
+
+__all__ = ["COORDINATES", "Coordinates", "Property", "coordinates", "coordinates_of"]
+
+for _module in sorted(iter_modules(__path__), key=lambda module: module.name):
+    import_module(f"{__name__}.{_module.name}")

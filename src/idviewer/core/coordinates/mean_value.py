@@ -1,0 +1,93 @@
+"""Mean value coordinates: smooth and linearly precise on every shape, negative in some concave ones."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from idviewer.core.approximation import Approximation
+from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
+from idviewer.core.coordinates._mean_value_polygon import PolygonMeanValue
+from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
+from idviewer.core.mesh import Mesh
+from idviewer.core.shape import Shape, as_points
+
+Floats = NDArray[np.float64]
+
+
+def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:
+    """The evaluator for a shape; it knows, too, which points are inside and on the boundary."""
+    return MeshMeanValue(cast(Mesh, shape)) if shape.dimension == 3 else PolygonMeanValue(shape)
+
+
+@coordinates
+class MeanValueCoordinates(Coordinates):
+    """Evaluates mean value coordinates of one shape.
+
+    They are smooth, add up to 1, reproduce linear functions and interpolate on the boundary (vertex,
+    edge and face alike); they may be negative in concave shapes. Sources: Hormann and Floater 2006 for
+    polygons, with holes too; Ju, Schaefer and Warren 2005 for meshes; both without trigonometry
+    (docs/mean_value.md, docs/coordinates.md).
+
+    Args:
+        shape: n vertices.
+
+    >>> from idviewer.core import Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> MeanValueCoordinates(tetrahedron).weights([[0.1, 0.2, 0.3]]).round(12).tolist()
+    [[0.4, 0.1, 0.2, 0.3]]
+    """
+
+    name = "mean_value"
+    title = "Mean value coordinates"
+    rank = 10
+    properties = frozenset(Property) - {Property.NON_NEGATIVITY}
+
+    def __init__(self, shape: Shape) -> None:
+        super().__init__(shape)
+        self._on = mean_value_on(shape)
+
+    def weights(self, points: ArrayLike) -> Floats:
+        """Coordinates of points with respect to every vertex.
+
+        Args:
+            points: (p, dimension).
+
+        Returns:
+            (p, n) rows that sum to 1; NaN for points outside.
+        """
+        points = as_points(points, self.shape.dimension)
+        return self._on.weights(points)
+
+    def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
+        """Values (n, k) at the vertices, carried to points; see `Coordinates.interpolate_steps`."""
+        if isinstance(self._on, MeshMeanValue):
+            return (yield from self._on.interpolate_steps(points, values))
+        return (yield from super().interpolate_steps(points, values))
+
+    def approximation(self, values: Floats, weights: Floats) -> Approximation | None:
+        """Values (n, k) ready to be carried inside a mesh within a tolerance; see `Approximation`."""
+        return self._on.approximation(values, weights) if isinstance(self._on, MeshMeanValue) else None
+
+
+def mean_value_weights(shape: Shape, points: ArrayLike) -> Floats:
+    """Mean value coordinates of points; for many calls on one shape keep a `MeanValueCoordinates`.
+
+    Args:
+        shape: n vertices.
+        points: (p, dimension).
+
+    Returns:
+        (p, n) rows that sum to 1; NaN for points outside.
+
+    >>> from idviewer.core import Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> mean_value_weights(tetrahedron, [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).round(12).tolist()
+    [[1.0, 0.0, 0.0, 0.0], [nan, nan, nan, nan]]
+    """
+    return MeanValueCoordinates(shape).weights(points)

@@ -1,0 +1,140 @@
+"""What every kind of coordinates offers, and the table of all kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from enum import Enum
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from idviewer.core.shape import Shape, as_points
+
+Floats = NDArray[np.float64]
+
+NEGATIVITY_PAIRS = 1 << 20
+"""Weights held at once by `negativity_steps`: 8 MB."""
+
+
+class Property(Enum):
+    """What weights w_i(p) of a point p may fulfil; v_i are the vertices."""
+
+    PARTITION_OF_UNITY = "sum w_i = 1"
+    LINEAR_PRECISION = "sum w_i v_i = p"
+    LAGRANGE = "w_i(v_j) = 1 if i = j, else 0"
+    NON_NEGATIVITY = "w_i >= 0"
+    SMOOTHNESS = "w_i is smooth inside"
+
+
+class Coordinates:
+    """Base of all kinds of coordinates: a kind says what it is and defines `weights`.
+
+    Args:
+        shape: n vertices, in 2 or 3 dimensions.
+
+    Attributes:
+        name: as `InteriorDistance` and the command line take it.
+        title: for menus.
+        rank: place in menus, the lowest first.
+        dimensions: in which it works.
+        properties: exactly those that it has; the tests prove them, and disprove the others.
+        linear_on_boundary: whether on edges and faces it interpolates their ends linearly, so that it is
+            enough to know a section's outline at the vertices.
+        pairs_in_a_step: points times vertices that are worked on between two checkpoints, 5 to 10 ms.
+
+    Raises:
+        ValueError: it does not work in the shape's dimension.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    rank: ClassVar[int]
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    properties: ClassVar[frozenset[Property]]
+    linear_on_boundary: ClassVar[bool] = True
+    pairs_in_a_step: ClassVar[float] = 1e6
+
+    def __init__(self, shape: Shape) -> None:
+        if shape.dimension not in self.dimensions:
+            able = " and ".join(f"{dimension}D" for dimension in self.dimensions)
+            raise ValueError(
+                f"{self.title.lower()} work in {able}, not in {shape.dimension}D; choose other coordinates"
+            )
+        self.shape = shape
+
+    def weights(self, points: ArrayLike) -> Floats:
+        """(p, n) weights of points (p, dimension) with respect to every vertex; NaN for points outside."""
+        raise NotImplementedError
+
+    def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
+        """Values given at the vertices, carried to points; yields the share done every few milliseconds.
+
+        Args:
+            points: (p, dimension).
+            values: (n, k).
+
+        Returns:
+            (p, k), NaN for points outside.
+        """
+        points = as_points(points, self.shape.dimension)
+        result = np.empty((len(points), values.shape[1]))
+        at_once = max(4, int(self.pairs_in_a_step / len(values)))
+        for start in range(0, len(points), at_once):
+            some = slice(start, start + at_once)
+            result[some] = self.weights(points[some]) @ values
+            yield min(1.0, (start + at_once) / len(points))
+        return result
+
+    def approximation(self, values: Floats, weights: Floats) -> Any:
+        """Values (n, k) ready to be carried inside within a tolerance; None where there is no such way.
+
+        Args:
+            values: (n, k).
+            weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
+        """
+        return None
+
+    def negativity_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
+        """sum_i max(0, -w_i(p)) of points (p, dimension); yields the share done.
+
+        Never more than a few megabytes of weights are held at once.
+
+        Returns:
+            (p,), NaN for points outside.
+        """
+        points = as_points(points, self.shape.dimension)
+        result = np.empty(len(points))
+        pairs = min(NEGATIVITY_PAIRS, self.pairs_in_a_step)
+        at_once = max(4, int(pairs / len(self.shape.vertices)))
+        for start in range(0, len(points), at_once):
+            some = slice(start, start + at_once)
+            result[some] = np.maximum(-self.weights(points[some]), 0.0).sum(axis=1)
+            yield min(1.0, (start + at_once) / len(points))
+        return result
+
+
+COORDINATES: dict[str, type[Coordinates]] = {}
+"""Every kind of coordinates by its name, in the order of menus."""
+
+Kind = TypeVar("Kind", bound=type[Coordinates])
+
+
+def coordinates(kind: Kind) -> Kind:
+    """Class decorator that enters a kind of coordinates in `COORDINATES`."""
+    COORDINATES[kind.name] = kind
+    ordered = sorted(COORDINATES.values(), key=lambda each: each.rank)
+    COORDINATES.clear()
+    COORDINATES.update({each.name: each for each in ordered})
+    return kind
+
+
+def coordinates_of(shape: Shape, name: str) -> Coordinates:
+    """The kind of coordinates of that name, for a shape.
+
+    Raises:
+        ValueError: there is no such kind, or it does not work in the shape's dimension.
+    """
+    if name not in COORDINATES:
+        raise ValueError(f"unknown coordinates {name!r}; there are: {', '.join(COORDINATES)}")
+    return COORDINATES[name](shape)
