@@ -14,13 +14,15 @@ from idviewer.core.distances import (
     Distance,
     Euclidean,
     Parameter,
+    distance,
     parameters_of,
 )
-from idviewer.core.interior import COORDINATES, InteriorDistance, interior_distance
+from idviewer.core.interior import COORDINATES, InteriorDistance
 from idviewer.core.io import read_mesh
 from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
 from idviewer.core.mean_value import MeanValueCoordinates, mean_value_weights
 from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.one_off import interior_distance
 from idviewer.core.plane import Plane
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.core.slices import Section, section
@@ -45,6 +47,7 @@ __all__ = [
     "Spectrum",
     "cotangent_laplacian",
     "diagnose",
+    "distance",
     "eigenpairs",
     "interior_distance",
     "mean_value_weights",

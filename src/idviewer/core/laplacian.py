@@ -85,3 +85,13 @@ def voronoi_areas(mesh: Mesh) -> Floats:
     share = np.where(np.any(obtuse, axis=1, keepdims=True), quarters, voronoi)
     areas = np.bincount(mesh.faces.ravel(), weights=share.ravel(), minlength=len(mesh.vertices))
     return np.asarray(areas, dtype=np.float64)
+
+
+def laplacian_of(shape: Mesh) -> sparse.csc_array:
+    """The Laplacian L of a shape's boundary, (n, n), positive semi-definite, with L 1 = 0."""
+    return cotangent_laplacian(shape)
+
+
+def masses_of(shape: Mesh) -> Floats:
+    """What each vertex stands for of a shape's boundary, (n,), positive."""
+    return voronoi_areas(shape)

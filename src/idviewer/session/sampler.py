@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core import DISTANCES, Distance, InteriorDistance
-from idviewer.core.distances import parameters_of
+from idviewer.core.distances import Number, parameters_of
 
 Floats = NDArray[np.float64]
 
 QUICK_FACES = 4000
 """On meshes up to so large, sampling exactly takes no longer than within a tolerance."""
+
+WIDE = 400
+"""Columns from which on the moments of clusters take more memory and time than they save."""
 
 COARSE, FINE = 1.2e-3, 1.5e-4
 """Tolerances of samples, in largest distances on the slice; about three times the largest error seen."""
@@ -37,7 +40,8 @@ class Sampler:
 
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
-        self.exact_always = len(solver.mesh.faces) <= QUICK_FACES
+        wide = solver.basis.shape[1] > WIDE
+        self.exact_always = wide or solver.mesh.dimension == 2 or len(solver.mesh.faces) <= QUICK_FACES
         self.ready = self.exact_always
         self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
@@ -103,6 +107,7 @@ def extremes(solver: InteriorDistance) -> list[Distance]:
     for distance in _common(solver):
         found.append(distance)
         for name, parameter in parameters_of(distance).items():
-            middle = parameter.default(float(solver.spectrum.values[0]))
-            found += [type(distance)(**{name: middle * end}) for end in parameter.span]
+            if isinstance(parameter, Number):
+                middle = parameter.default(float(solver.spectrum.values[0]))
+                found += [type(distance)(**{name: middle * end}) for end in parameter.span]
     return found

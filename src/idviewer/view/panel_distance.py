@@ -22,7 +22,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from idviewer.core import DISTANCES, Distance, Mesh, Parameter, parameters_of
+from idviewer.core import DISTANCES, Distance, Mesh, parameters_of
+from idviewer.core.distances import Number
 from idviewer.session.state import Frame, State
 
 STEPS = 24
@@ -53,6 +54,7 @@ class DistanceGroup(QGroupBox):
             (name, parameter): ParameterRow(one, partial(self._change, parameter), calls)
             for name, kind in DISTANCES.items()
             for parameter, one in parameters_of(kind).items()
+            if isinstance(one, Number)
         }
         layout = QVBoxLayout(self)
         layout.addWidget(self.kind)
@@ -96,7 +98,7 @@ class ParameterRow(QWidget):
         calls: whom to tell what cannot be understood.
     """
 
-    def __init__(self, parameter: Parameter, change: Callable[[float | None], None], calls: _Calls) -> None:
+    def __init__(self, parameter: Number, change: Callable[[float | None], None], calls: _Calls) -> None:
         super().__init__()
         self._parameter, self._change, self._calls = parameter, change, calls
         self._default: float | None = None
