@@ -12,7 +12,7 @@ from idviewer.core._kernels.clusters import CLEARANCE
 from idviewer.core._kernels.expansion import INDICES, TABLES, monomials
 from idviewer.core.approximation import FINEST, Approximation
 from idviewer.core.cluster_tree import ClusterTree
-from idviewer.core.interior import extent
+from idviewer.core.equations import extent
 from idviewer.core.mean_value import MeanValueCoordinates
 from idviewer.core.steps import finish
 

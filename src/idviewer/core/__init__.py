@@ -10,10 +10,15 @@ from idviewer.core.distances import (
     DISTANCES,
     GPS,
     Biharmonic,
+    CommuteTime,
     Diffusion,
     Distance,
     Euclidean,
+    Geodesic,
+    GivenDistances,
+    GivenEmbedding,
     Parameter,
+    SpectralFilter,
     distance,
     parameters_of,
 )
@@ -25,8 +30,10 @@ from idviewer.core.mesh import Mesh, MeshError
 from idviewer.core.one_off import interior_distance
 from idviewer.core.plane import Plane
 from idviewer.core.samples import sample_names, sample_path
+from idviewer.core.shape import DistanceError
 from idviewer.core.slices import Section, section
 from idviewer.core.spectrum import Spectrum, eigenpairs
+from idviewer.core.truncation import TruncationError, truncation_error
 
 __all__ = [
     "COORDINATES",
@@ -34,9 +41,14 @@ __all__ = [
     "GPS",
     "Barycentroid",
     "Biharmonic",
+    "CommuteTime",
     "Diffusion",
     "Distance",
+    "DistanceError",
     "Euclidean",
+    "Geodesic",
+    "GivenDistances",
+    "GivenEmbedding",
     "InteriorDistance",
     "MeanValueCoordinates",
     "Mesh",
@@ -44,7 +56,9 @@ __all__ = [
     "Parameter",
     "Plane",
     "Section",
+    "SpectralFilter",
     "Spectrum",
+    "TruncationError",
     "cotangent_laplacian",
     "diagnose",
     "distance",
@@ -56,5 +70,6 @@ __all__ = [
     "sample_names",
     "sample_path",
     "section",
+    "truncation_error",
     "voronoi_areas",
 ]

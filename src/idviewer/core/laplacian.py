@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from idviewer.core.mesh import Mesh
+from idviewer.core.shape import Shape
 
 Floats = NDArray[np.float64]
 
@@ -87,11 +88,13 @@ def voronoi_areas(mesh: Mesh) -> Floats:
     return np.asarray(areas, dtype=np.float64)
 
 
-def laplacian_of(shape: Mesh) -> sparse.csc_array:
+def laplacian_of(shape: Shape) -> sparse.csc_array:
     """The Laplacian L of a shape's boundary, (n, n), positive semi-definite, with L 1 = 0."""
+    assert isinstance(shape, Mesh)
     return cotangent_laplacian(shape)
 
 
-def masses_of(shape: Mesh) -> Floats:
+def masses_of(shape: Shape) -> Floats:
     """What each vertex stands for of a shape's boundary, (n,), positive."""
+    assert isinstance(shape, Mesh)
     return voronoi_areas(shape)

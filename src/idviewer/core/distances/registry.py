@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.distances.parameters import Number, Parameter
-from idviewer.core.shape import Shape, ShapeError
+from idviewer.core.shape import DistanceError, Shape
 from idviewer.core.spectrum import Spectrum
 from idviewer.core.steps import finish
 
@@ -72,7 +72,7 @@ class Distance:
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
         """`basis` as a generator that yields the share done, or None, every few milliseconds."""
-        yield 0.0
+        yield from ()  # nothing to wait for
         return Basis(self.basis(shape, spectrum))
 
     @property
@@ -116,7 +116,7 @@ def check_dimension(kind: Distance, shape: Shape) -> None:
     """Refuses a shape that the distance does not work on."""
     if shape.dimension not in kind.dimensions:
         where = " and ".join(f"{one}D" for one in kind.dimensions)
-        raise ValueError(
+        raise DistanceError(
             f"the {kind.title.lower()} works in {where}, and the shape is {shape.dimension}D; choose another"
         )
 
@@ -125,7 +125,7 @@ def check_size(shape: Shape, limit: int, what: str, advice: str) -> None:
     """Refuses shapes whose dense matrices would not fit."""
     count = len(shape.vertices)
     if count > limit:
-        raise ShapeError(
+        raise DistanceError(
             f"{what} takes {8e-9 * count**2:.2g} GB for {count:,} vertices; the limit is {limit:,}: {advice}"
         )
 
@@ -144,9 +144,9 @@ def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
 def missing(distance: Distance) -> list[str]:
     """The parameters without which the distance can do nothing, and which are not given.
 
-    >>> from idviewer.core.distances import Diffusion
-    >>> missing(Diffusion())
-    []
+    >>> from idviewer.core.distances import Diffusion, GivenDistances
+    >>> missing(Diffusion()), missing(GivenDistances())
+    ([], ['matrix'])
     """
     return [
         name
