@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from idviewer.cli.options import Kind
     from idviewer.core import Distance
     from idviewer.core.distances import Parameter
+
+WIDTH = 78
+"""Of the help, in characters."""
 
 
 def distance_of(kind: Kind) -> Distance:
@@ -80,5 +84,6 @@ def all_in_words() -> str:
     for name, kind in DISTANCES.items():
         lines.append(f"  {name:<13}{kind.title}")
         for parameter, one in parameters_of(kind).items():
-            lines.append(f"  {'':<13}  {parameter}: {one.help}; {one.in_words()}")
+            told = f"{parameter}: {one.help}; {one.in_words()}"
+            lines += wrap(told, WIDTH, initial_indent=" " * 17, subsequent_indent=" " * 19)
     return "\n".join(lines)

@@ -73,8 +73,9 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
         return np.broadcast_to(result, np.shape(values)).astype(np.float64)
 
     def _misspelt(self, error: BaseException) -> str:
-        place = (getattr(error, "offset", None) or 0) + self._offset
-        near = self._text[max(0, place - 1) :][:12]
+        told = getattr(error, "offset", None) or 0
+        place = told + self._offset
+        near = self._text[place - 1 :][:12] if told > 0 else ""
         where = f"something is wrong at character {place}, {near!r}" if near.strip() else "it ends too early"
         hint = "; powers are written **" if "^" in self._text else ""
         return f"{self._text!r} cannot be read: {where}{hint}"
