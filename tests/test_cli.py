@@ -226,10 +226,10 @@ class TestKindsOfDistance:
 class TestParameters:
     ENDS = ("--from", INSIDE, "--to", "0.5,0,1")
 
-    @pytest.fixture(scope="class")
-    def arrays(self, body: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    @pytest.fixture
+    def arrays(self, body: str, tmp_path: Path) -> Path:
         """A folder with the body's vertices, and their straight distances."""
-        folder = tmp_path_factory.mktemp("arrays")
+        folder = tmp_path
         vertices = read_mesh(body).vertices
         np.save(folder / "e.npy", vertices)
         np.save(folder / "d.npy", np.linalg.norm(vertices[:, None] - vertices, axis=2))

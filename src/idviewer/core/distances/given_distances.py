@@ -31,8 +31,8 @@ SYMMETRIC = 1e-8
 EMBEDS = 1e-7
 """Negative eigenvalues of the Gram matrix up to such a share of the largest are rounding of what is given."""
 
-LARGEST = 6000
-"""Vertices: the eigenvalues of so large a matrix take about two minutes, and 1.5 GB."""
+LARGEST = 4000
+"""Vertices: the eigenvalues of so large a matrix take up to two minutes, and 1.6 GB."""
 
 
 @distance
