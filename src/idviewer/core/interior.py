@@ -25,7 +25,6 @@ Floats = NDArray[np.float64]
 COORDINATES = {MeanValueCoordinates.name: MeanValueCoordinates}
 """Every kind of barycentric coordinates by its name."""
 
-
 OF_A_POINT = 0.5
 """Part of a distance's error that each of its ends may cause."""
 
