@@ -14,6 +14,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import NamedTuple, get_args, get_type_hints
 
+import numpy as np
 import pytest
 import trimesh
 from PIL import Image
@@ -21,7 +22,7 @@ from PIL import Image
 import idviewer
 from idviewer.cli import main, output, words
 from idviewer.cli.options import Looks
-from idviewer.core import DISTANCES, interior_distance, read_mesh, sample_names
+from idviewer.core import DISTANCES, interior_distance, parameters_of, read_mesh, sample_names
 
 INSIDE, OUTSIDE = "-0.3,0.1,0.2", "0.3,4,0.2"
 QUICK = ("--distance", "euclidean")
@@ -220,6 +221,92 @@ class TestKindsOfDistance:
     ) -> None:
         more = {"distance": ("--from", INSIDE, "--to", INSIDE), "render": ("out.png",)}.get(verb, ())
         assert part in refused(run(verb, body, *more, *options))
+
+
+class TestParameters:
+    ENDS = ("--from", INSIDE, "--to", "0.5,0,1")
+
+    @pytest.fixture
+    def arrays(self, body: str, tmp_path: Path) -> Path:
+        """A folder with the body's vertices, and their straight distances."""
+        folder = tmp_path
+        vertices = read_mesh(body).vertices
+        np.save(folder / "e.npy", vertices)
+        np.save(folder / "d.npy", np.linalg.norm(vertices[:, None] - vertices, axis=2))
+        np.save(folder / "small.npy", np.zeros((3, 3)))
+        return folder
+
+    @pytest.mark.parametrize("verb", ["render", "distance", "barycentroid"])
+    def test_the_help_has_every_parameter(self, run: Run, verb: str) -> None:
+        told = " ".join(run(verb, "--help").out.split())
+        for kind in DISTANCES.values():
+            assert kind.title in told
+            for name in parameters_of(kind):
+                assert f" {name}: " in told
+
+    def test_given_distances_and_embeddings(self, run: Run, body: str, arrays: Path) -> None:
+        for name, file in (("matrix", "d.npy"), ("embedding", "e.npy")):
+            given = ("--distance", name, "--set", f"{name}={arrays / file}")
+            told = json.loads(run("distance", body, *self.ENDS, *given, "--json").out)
+            assert told["interior"] == pytest.approx(told["euclidean"], rel=1e-6)
+            assert told[name] == str(arrays / file)
+
+    def test_parameters_of_every_kind(self, run: Run, body: str) -> None:
+        for options, part in (
+            (
+                ("--distance", "geodesic", "--set", "landmarks=20", "--set", "method=exact"),
+                "(Geodesic distance; 20 l",
+            ),
+            (("--distance", "filter", "--set", "filter=1 / lambda"), "(Spectral filter 1 / lambda, "),
+            (("--distance", "commute"), "(Commute-time distance)"),
+            (("--set", "time=0.5"), "(Diffusion distance, t = 0.5)"),
+        ):
+            answer = run("distance", body, *self.ENDS, *options)
+            assert answer.status == 0
+            assert part in answer.out
+
+    def test_many_points_by_sparse_solves(self, run: Run, body: str, table: Callable[[str], str]) -> None:
+        points = table("0,0,0\n0.5,0,1\n")
+        told = json.loads(
+            run(
+                "distance", body, "--source", INSIDE, "--points", points, "--distance", "commute", "--json"
+            ).out
+        )
+        pair = json.loads(run("distance", body, *self.ENDS, "--distance", "commute", "--json").out)
+        assert told["interior"][1] == pytest.approx(pair["interior"], rel=1e-9)
+
+    @pytest.mark.parametrize(
+        ("options", "part"),
+        [
+            (("--distance", "matrix"), "--distance matrix: it needs a .npy file with n x n distances"),
+            (("--distance", "embedding", "--set", "embedding=no.npy"), "there is no file no.npy"),
+            (
+                ("--distance", "geodesic", "--set", "landmarks=3"),
+                "--set landmarks=3: it lies between 4 and 2000",
+            ),
+            (("--distance", "geodesic", "--set", "landmarks=x"), "'x' is not a whole number"),
+            (
+                ("--distance", "geodesic", "--set", "method=magic"),
+                "there is no 'magic'; there are: heat, exact",
+            ),
+            (("--distance", "filter", "--set", "filter=1/(os)"), '"os" at character 4 is no part of an'),
+            (("--distance", "filter", "--set", "filter=-lambda"), "the filter -lambda: is -"),
+            (("--distance", "gps", "--set", "colour=1"), "gps has no colour; its parameters: none"),
+            (("--distance", "gps", "--set", "landmarks=9"), "or take --distance geodesic"),
+            (("--set", "time"), "--set time: write NAME=VALUE"),
+            (("--set", "time=soon"), "--set time=soon: 'soon' is not a number"),
+            (("--set", "time=-1"), "--set time=-1: the diffusion time must be a positive number"),
+        ],
+    )
+    def test_what_means_nothing_is_refused(
+        self, run: Run, body: str, options: tuple[str, ...], part: str
+    ) -> None:
+        assert part in refused(run("distance", body, *self.ENDS, *options))
+
+    def test_bad_matrices_are_refused(self, run: Run, body: str, arrays: Path) -> None:
+        for verb, more in (("distance", self.ENDS), ("barycentroid", ())):
+            given = ("--distance", "matrix", "--set", f"matrix={arrays / 'small.npy'}")
+            assert "small.npy: its shape is (3, 3)" in refused(run(verb, body, *more, *given))
 
 
 class TestBarycentroid:

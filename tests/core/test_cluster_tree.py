@@ -14,7 +14,7 @@ from idviewer.core._kernels.expansion import INDICES, TABLES, monomials
 from idviewer.core.approximation import FINEST, Approximation
 from idviewer.core.cluster_tree import ClusterTree
 from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
-from idviewer.core.interior import extent
+from idviewer.core.equations import extent
 from idviewer.core.steps import finish
 
 DEPTHS = (0.0, 1e-9, 1e-6, 1e-3)

@@ -10,7 +10,18 @@ import pytest
 from tests.core import shapes
 from tests.session.bodies import Owner, egg
 
-from idviewer.core import GPS, Biharmonic, Diffusion, Euclidean, Mesh, Plane
+from idviewer.core import (
+    GPS,
+    Biharmonic,
+    Diffusion,
+    Euclidean,
+    Geodesic,
+    GivenDistances,
+    GivenEmbedding,
+    Mesh,
+    Plane,
+    SpectralFilter,
+)
 from idviewer.core.rays import Ray
 from idviewer.session.record import Recorder, replay
 from idviewer.session.session import Session, default_plane, point_of
@@ -233,7 +244,20 @@ def test_a_diffusion_time_is_not_carried_to_another_mesh(desk):
     assert desk.session.state.query.distance == Diffusion()
 
 
-@pytest.mark.parametrize("distance", [Diffusion(time=0.1 + 0.2), GPS(), Biharmonic(), Euclidean()])
+@pytest.mark.parametrize(
+    "distance",
+    [
+        Diffusion(time=0.1 + 0.2),
+        GPS(),
+        Biharmonic(),
+        Euclidean(),
+        Geodesic(landmarks=40, method="exact"),
+        Geodesic(),
+        SpectralFilter("1 / (1 + lambda)"),
+        GivenDistances("distances.npy", fit="approximate"),
+        GivenEmbedding("embedding.npy"),
+    ],
+)
 def test_distances_are_recorded_with_their_parameters(desk, distance):
     stream = io.StringIO()
     recorder = Recorder(desk.session, stream)
@@ -242,6 +266,23 @@ def test_distances_are_recorded_with_their_parameters(desk, distance):
     desk.session.set(distance=Diffusion(time=7.0))
     replay(stream.getvalue().splitlines(), desk.session, desk.settle)
     assert desk.session.state.query.distance == distance
+
+
+def test_distances_handed_over_in_python_cannot_be_recorded(desk):
+    recorder = Recorder(desk.session, io.StringIO())
+    for distance in (SpectralFilter(np.sqrt), GivenEmbedding(np.eye(3))):
+        with pytest.raises(ValueError, match="handed over as a Python object and cannot be recorded"):
+            desk.session.set(distance=distance)
+    recorder.close()
+
+
+def test_a_file_of_distances_is_not_carried_to_another_mesh(desk):
+    desk.session.set(distance=GivenEmbedding("embedding.npy"))
+    desk.session.show(egg(1))
+    assert desk.session.state.query.distance == Diffusion()
+    desk.session.set(distance=Geodesic(landmarks=50))
+    desk.session.show(egg(1))
+    assert desk.session.state.query.distance == Geodesic(landmarks=50)
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
@@ -9,7 +11,18 @@ from pytestqt.qtbot import QtBot
 from tests.core import shapes
 from tests.view.frames import frame
 
-from idviewer.core import DISTANCES, GPS, Diffusion, Distance, Euclidean, Mesh
+from idviewer.core import (
+    DISTANCES,
+    GPS,
+    Diffusion,
+    Distance,
+    Euclidean,
+    Geodesic,
+    GivenDistances,
+    Mesh,
+    SpectralFilter,
+    parameters_of,
+)
 from idviewer.session.state import Frame, Query, State
 from idviewer.view.panel import Calls
 from idviewer.view.panel_distance import DistanceGroup, ParameterRow
@@ -148,3 +161,87 @@ def test_a_kind_chosen_again_has_its_time_again_until_the_mesh_changes(recorder:
     recorder.show(GPS())
     recorder.choose("diffusion")
     assert recorder.calls[-1] == Diffusion()
+
+
+def test_every_kind_is_in_the_menu_with_a_row_for_each_parameter(recorder: Recorder) -> None:
+    titles = [recorder.group.kind.itemText(index) for index in range(recorder.group.kind.count())]
+    assert titles == [kind.title for kind in DISTANCES.values()]
+    for name, kind in DISTANCES.items():
+        recorder.show(kind())
+        shown = {key for key, row in recorder.group.rows.items() if row.isVisible()}
+        assert shown == {(name, parameter) for parameter in parameters_of(kind)}
+
+
+def test_a_whole_number_is_turned_and_a_choice_chosen(recorder: Recorder) -> None:
+    recorder.choose("geodesic")
+    landmarks = recorder.group.rows["geodesic", "landmarks"].box
+    method = recorder.group.rows["geodesic", "method"].box
+    assert landmarks.text() == "automatic"
+    landmarks.setValue(50)
+    method.setCurrentIndex(method.findData("exact"))
+    method.activated.emit(method.currentIndex())
+    landmarks.setValue(landmarks.minimum())
+    assert recorder.calls == [
+        Geodesic(),
+        Geodesic(landmarks=50),
+        Geodesic(landmarks=50, method="exact"),
+        Geodesic(method="exact"),
+    ]
+    recorder.show(Geodesic(landmarks=7))
+    assert (landmarks.value(), method.currentData()) == (7, "heat")
+    assert len(recorder.calls) == 4, "showing called"
+
+
+def test_a_wrong_expression_is_told_beside_it_and_nothing_is_lost(recorder: Recorder) -> None:
+    recorder.choose("filter")
+    row = recorder.group.rows["filter", "filter"]
+    write(row, "1 / lambda")
+    assert recorder.calls[1:] == [SpectralFilter("1 / lambda")]
+    assert not row.error.isVisible()
+    write(row, "1 / (lambda + os)")
+    assert len(recorder.calls) == 2
+    assert row.error.isVisible()
+    assert '"os" at character 15' in row.error.text()
+    recorder.show(SpectralFilter("1 / lambda"))
+    assert row.field.text() == "1 / (lambda + os)", "what was typed can be mended"
+    write(row, "1 / (lambda + 2)")
+    assert recorder.calls[2:] == [SpectralFilter("1 / (lambda + 2)")]
+    assert not row.error.isVisible()
+    assert not recorder.complaints
+
+
+def test_a_kind_that_needs_a_file_waits_for_it(recorder: Recorder) -> None:
+    recorder.choose("matrix")
+    row = recorder.group.rows["matrix", "matrix"]
+    assert not recorder.calls, "what is shown stays"
+    assert row.isVisible()
+    assert "n x n distances" in row.note.text()
+    recorder.show(Diffusion())
+    assert recorder.group.kind.currentData() == "matrix", "a frame that arrives does not take the choice back"
+    fit = recorder.group.rows["matrix", "fit"].box
+    fit.setCurrentIndex(fit.findData("approximate"))
+    fit.activated.emit(fit.currentIndex())
+    assert not recorder.calls
+    row.choose("/somewhere/d.npy")
+    assert recorder.calls == [GivenDistances("/somewhere/d.npy", fit="approximate")]
+    assert row.note.text() == "d.npy"
+
+
+def test_a_file_dialog_that_is_cancelled_says_why_nothing_happens(recorder: Recorder, tmp_path: Path) -> None:
+    recorder.choose("matrix")
+    row = recorder.group.rows["matrix", "matrix"]
+    row.button.click()
+    assert row.dialog is not None
+    assert row.dialog.isVisible()
+    row.dialog.reject()
+    assert row.note.text().startswith("No file was chosen, so nothing has changed.")
+    assert not recorder.calls
+
+
+def test_a_file_that_failed_is_asked_for_again(recorder: Recorder) -> None:
+    recorder.choose("matrix")
+    recorder.group.rows["matrix", "matrix"].choose("/bad.npy")
+    recorder.show(Diffusion())  # the session went back
+    recorder.choose("matrix")
+    assert recorder.calls == [GivenDistances("/bad.npy")]
+    assert recorder.group.rows["matrix", "matrix"].isVisible()

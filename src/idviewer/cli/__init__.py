@@ -14,10 +14,13 @@ from pathlib import Path
 from cyclopts import App, CycloptsError
 
 import idviewer
-from idviewer.cli import output, words, work
+from idviewer.cli import kinds, output, words, work
 from idviewer.cli.options import Asked, Component, Ends, Flag, Kind, Looks
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
+CARRYING = ("render", "distance", "barycentroid")
+"""The verbs that take a distance."""
+
 FALLBACK_PICTURE = Path("idviewer.png")
 
 app = App(
@@ -47,7 +50,7 @@ def window(mesh: str | None = None, /) -> int:
         work.draw(
             words.mesh_of(mesh or DEFAULT_SAMPLE),
             FALLBACK_PICTURE,
-            words.distance_of(Kind()),
+            kinds.distance_of(Kind()),
             Asked(),
             Looks(),
         )
@@ -79,7 +82,7 @@ def render(
     """
     words.check_picture_path(out)
     work.check(asked, looks)
-    distance = words.distance_of(kind)
+    distance = kinds.distance_of(kind)
     work.draw(words.mesh_of(mesh, component), out, distance, asked, looks)
 
 
@@ -109,7 +112,7 @@ def distance(
         raise ValueError(
             "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv"
         )
-    carried = words.distance_of(kind)
+    carried = kinds.distance_of(kind)
     print(answer(ends, lambda: work.solver_of(words.mesh_of(mesh, component), carried), json))
 
 
@@ -124,7 +127,7 @@ def barycentroid(
         component: Which of several components to take, 1 for the largest.
         json: Print JSON.
     """
-    carried = words.distance_of(kind)
+    carried = kinds.distance_of(kind)
     solver = work.solver_of(words.mesh_of(mesh, component), carried)
     found = solver.barycentroid()
     if json:
@@ -159,10 +162,12 @@ def samples() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line and returns its exit status: 0, or 2 for bad input."""
+    words_given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        status = app(
-            list(sys.argv[1:] if arguments is None else arguments), exit_on_error=False, print_error=False
-        )
+        if words_given and words_given[0] in CARRYING and {"--help", "-h"} & set(words_given):
+            # Only then, because what knows the distances takes a while to load.
+            app[words_given[0]].help_epilogue = kinds.all_in_words()
+        status = app(words_given, exit_on_error=False, print_error=False)
         sys.stdout.flush()
         return status or 0
     except CycloptsError as error:

@@ -17,6 +17,10 @@ PlaneTexts = Annotated[
         allow_leading_hyphen=True, negative="", show_default=False, metavar="AXIS=FRACTION|OX,OY,OZ/NX,NY,NZ"
     ),
 ]
+ParameterTexts = Annotated[
+    tuple[str, ...],
+    Parameter(allow_leading_hyphen=True, negative="", show_default=False, metavar="NAME=VALUE"),
+]
 Component = Annotated[int | None, Parameter(metavar="N")]
 
 
@@ -26,11 +30,13 @@ class Kind:
     """Which distance is carried inside.
 
     Attributes:
-        distance: The boundary distance that is carried inside: diffusion, gps, biharmonic or euclidean.
-        time: The diffusion time t in the mesh's unit squared; if not given, 1 / (8 lambda_2).
+        distance: The boundary distance that is carried inside; listed below.
+        set: A parameter of the distance, listed below; may be repeated.
+        time: The same as --set time=T, the diffusion time in the mesh's unit squared.
     """
 
     distance: Annotated[str, Parameter(metavar="NAME")] = "diffusion"
+    set: ParameterTexts = ()
     time: Annotated[float | None, Parameter(metavar="T", allow_leading_hyphen=True)] = None
 
 

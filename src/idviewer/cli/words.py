@@ -11,13 +11,11 @@ import difflib
 import math
 import os
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from idviewer.cli.options import Kind
-    from idviewer.core import Distance, Mesh
+    from idviewer.core import Mesh
 
 BARYCENTROID = "barycentroid"
 LARGEST_SIZE = 8192
@@ -58,24 +56,6 @@ def mesh_of(name: str, component: int | None = None) -> Mesh:
     for note in mesh.notes:
         print(f"idviewer: {name}: {note}", file=sys.stderr)
     return mesh
-
-
-def distance_of(kind: Kind) -> Distance:
-    """The distance of that name, with that time."""
-    from idviewer.core import DISTANCES, parameters_of
-
-    name, time = kind.distance, kind.time
-    if name not in DISTANCES:
-        raise ValueError(f"--distance {name}: there is no such distance; there are: {', '.join(DISTANCES)}")
-    if time is None:
-        return DISTANCES[name]()
-    if "time" not in parameters_of(DISTANCES[name]):
-        timed = ", ".join(other for other in DISTANCES if "time" in parameters_of(DISTANCES[other]))
-        raise ValueError(f"--time {time:g}: {name} has no time; leave it out, or take --distance {timed}")
-    try:
-        return replace(DISTANCES[name](), **{"time": time})
-    except ValueError as error:
-        raise ValueError(f"--time {time:g}: {error}") from error
 
 
 def point_of(text: str, option: str) -> Triple:

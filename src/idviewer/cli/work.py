@@ -7,15 +7,12 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from idviewer.cli import output, words
 from idviewer.cli.options import Asked, Ends, Looks
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from idviewer.cli.words import Triple
     from idviewer.core import Distance, InteriorDistance, Mesh
     from idviewer.session.pipeline import Pipeline
@@ -28,9 +25,8 @@ def pair(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
     """The distance of two points, in words or JSON."""
     points = [words.point_of(ends.from_ or "", "--from"), words.point_of(ends.to or "", "--to")]
     made = solver()
-    embedded = made.embed(points)
-    _refuse_outside(made.mesh, points, embedded, ["--from", "--to"])
-    inside, straight = math.dist(*embedded), math.dist(*points)
+    _refuse_outside(made, points, ["--from", "--to"])
+    inside, straight = float(made.distance(points[:1], points[1:])[0]), math.dist(*points)
     if json:
         content = {**kind_of(made), "from": points[0], "to": points[1]}
         return output.as_json({**content, "interior": inside, "euclidean": straight})
@@ -44,11 +40,9 @@ def many(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
     made = solver()
     if source is None:
         source = tuple(made.barycentroid().point.tolist())
-    embedded = made.embed([source, *points])
-    _refuse_outside(
-        made.mesh, [source, *points], embedded, ["--source", *(f"{ends.points}, line {n}" for n in lines)]
-    )
-    distances = [math.dist(embedded[0], row) for row in embedded[1:]]
+    places = ["--source", *(f"{ends.points}, line {n}" for n in lines)]
+    _refuse_outside(made, [source, *points], places)
+    distances = made.field(source, points).tolist()
     if json:
         content = {**kind_of(made), "source": source, "points": points}
         return output.as_json(
@@ -58,11 +52,10 @@ def many(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
     return output.table(("x", "y", "z", "distance"), rows, header)
 
 
-def _refuse_outside(
-    mesh: Mesh, points: Sequence[Triple], embedded: NDArray[np.float64], places: list[str]
-) -> None:
-    """An error that says which points are not in the body: those whose embedding is NaN."""
-    outside = [index for index, row in enumerate(embedded) if math.isnan(row[0])]
+def _refuse_outside(solver: InteriorDistance, points: Sequence[Triple], places: list[str]) -> None:
+    """An error that says which points are not in the body."""
+    mesh = solver.mesh
+    outside = [index for index, inside in enumerate(solver.contains(points)) if not inside]
     if outside:
         more = f" (and {len(outside) - 1} more)" if len(outside) > 1 else ""
         point = output.coordinates(points[outside[0]])
@@ -83,13 +76,13 @@ def solver_of(mesh: Mesh, distance: Distance) -> InteriorDistance:
     return InteriorDistance(mesh, distance)
 
 
-def kind_of(solver: InteriorDistance) -> dict[str, str | float]:
+def kind_of(solver: InteriorDistance) -> dict[str, Any]:
     """The distance's name and the values of its parameters, for JSON."""
     from idviewer.core.distances import values_of
 
     distance = solver.distance_kind
-    values = values_of(distance, float(solver.spectrum.values[0])) if distance.spectral else {}
-    return {"distance": distance.name, **values}
+    lambda_2 = float(solver.spectrum.values[0]) if distance.spectral else None
+    return {"distance": distance.name, **values_of(distance, lambda_2)}
 
 
 def check(asked: Asked, looks: Looks) -> None:

@@ -12,13 +12,19 @@ from idviewer.core.distances import (
     DISTANCES,
     GPS,
     Biharmonic,
+    CommuteTime,
     Diffusion,
     Distance,
     Euclidean,
+    Geodesic,
+    GivenDistances,
+    GivenEmbedding,
     Parameter,
+    SpectralFilter,
+    distance,
     parameters_of,
 )
-from idviewer.core.interior import InteriorDistance, interior_distance
+from idviewer.core.interior import InteriorDistance
 from idviewer.core.io import read_mesh
 from idviewer.core.laplacian import (
     cotangent_laplacian,
@@ -29,14 +35,16 @@ from idviewer.core.laplacian import (
     voronoi_lengths,
 )
 from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.one_off import interior_distance
 from idviewer.core.plane import Plane
 from idviewer.core.polygon import Polygon, PolygonError
 from idviewer.core.polygon_io import read_polygon, read_shape, write_polygon
 from idviewer.core.polygon_section import polygon_section
 from idviewer.core.samples import sample_names, sample_path
-from idviewer.core.shape import Shape, ShapeError
+from idviewer.core.shape import DistanceError, Shape, ShapeError
 from idviewer.core.slices import Section, section
 from idviewer.core.spectrum import Spectrum, eigenpairs
+from idviewer.core.truncation import TruncationError, truncation_error
 
 __all__ = [
     "COORDINATES",
@@ -44,10 +52,15 @@ __all__ = [
     "GPS",
     "Barycentroid",
     "Biharmonic",
+    "CommuteTime",
     "Coordinates",
     "Diffusion",
     "Distance",
+    "DistanceError",
     "Euclidean",
+    "Geodesic",
+    "GivenDistances",
+    "GivenEmbedding",
     "InteriorDistance",
     "MeanValueCoordinates",
     "Mesh",
@@ -60,9 +73,12 @@ __all__ = [
     "Section",
     "Shape",
     "ShapeError",
+    "SpectralFilter",
     "Spectrum",
+    "TruncationError",
     "cotangent_laplacian",
     "diagnose",
+    "distance",
     "eigenpairs",
     "interior_distance",
     "laplacian_of",
@@ -77,6 +93,7 @@ __all__ = [
     "sample_names",
     "sample_path",
     "section",
+    "truncation_error",
     "voronoi_areas",
     "voronoi_lengths",
     "write_polygon",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable
 from copy import copy
 from functools import cached_property
 
@@ -13,10 +13,11 @@ from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.distances import Diffusion, Distance
-from idviewer.core.laplacian import masses_of
+from idviewer.core.embedding import EmbeddedBoundary
+from idviewer.core.equations import by_expansion, by_gram, by_squares, extent
 from idviewer.core.mesh import Mesh
 from idviewer.core.shape import as_points
-from idviewer.core.spectrum import Spectrum, eigenpairs
+from idviewer.core.spectrum import Spectrum
 from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
@@ -24,8 +25,12 @@ Floats = NDArray[np.float64]
 OF_A_POINT = 0.5
 """Part of a distance's error that each of its ends may cause."""
 
+WIDE, FEWEST, NUMBERS_AT_A_TIME = 256, 16, 2**21
+"""Columns from which on a basis is sampled in portions, the fewest points of one, and how many weights there
+are between two checkpoints."""
 
-class InteriorDistance:
+
+class InteriorDistance(EmbeddedBoundary):
     """Distances between points inside a mesh.
 
     The vertices are embedded so that their distances become Euclidean, v_i -> v_i*; an inner point goes
@@ -41,7 +46,7 @@ class InteriorDistance:
         spectrum: eigenpairs computed before, to save computing them again.
 
     Raises:
-        ValueError: unknown coordinates, or ones for another dimension, or a negative rtol.
+        ValueError: unknown coordinates, a negative rtol, or what does not fit the shape.
         MeshError: the distance asks for more eigenpairs than the mesh carries.
 
     >>> from idviewer.core import Euclidean, Mesh
@@ -60,22 +65,29 @@ class InteriorDistance:
         rtol: float = 0.0,
         spectrum: Spectrum | None = None,
     ) -> None:
+        self._assign(mesh, distance, coordinates, rtol, spectrum)
+        if self._form is None:
+            finish(self.prepare_steps())
+
+    def _assign(
+        self, mesh: Mesh, distance: Distance | None, coordinates: str, rtol: float, spectrum: Spectrum | None
+    ) -> None:
         if not 0.0 <= rtol < 1.0:
             raise ValueError(f"rtol must lie in [0, 1), not {rtol}")
-        self.mesh = mesh
-        self.distance_kind: Distance = Diffusion() if distance is None else distance
+        EmbeddedBoundary.__init__(self, mesh, Diffusion() if distance is None else distance, spectrum)
         self.rtol = rtol
         self.coordinates = coordinates_of(mesh, coordinates)
-        if spectrum is None and self.distance_kind.spectral:
-            spectrum = eigenpairs(mesh, self.distance_kind.cutoff)
-        self._spectrum = spectrum
-        self.basis = self.distance_kind.basis(mesh, spectrum)
-        self.basis.setflags(write=False)
-        masses = masses_of(mesh) if spectrum is None else spectrum.masses
-        self._mean = (masses @ self.basis) / masses.sum()
         self._approximations: dict[bytes, Approximation | None] = {}
-        self.scale = self.distance_kind.scale(spectrum)
-        self.centre = self._mean * self.scale
+
+    @classmethod
+    def steps(
+        cls, mesh: Mesh, distance: Distance, coordinates: str = "mean_value", spectrum: Spectrum | None = None
+    ) -> Generator[float | None, None, InteriorDistance]:
+        """The constructor as a generator that yields the share done, or None, every few milliseconds."""
+        made = cls.__new__(cls)
+        made._assign(mesh, distance, coordinates, 0.0, spectrum)
+        yield from made.prepare_steps()
+        return made
 
     def with_distance(self, distance: Distance) -> InteriorDistance:
         """The same interior with another distance, which shares whatever it can.
@@ -96,34 +108,10 @@ class InteriorDistance:
             return InteriorDistance(self.mesh, distance, self.coordinates.name, self.rtol, self._spectrum)
         other = copy(self)
         other.distance_kind = distance
+        for name in ("scale", "_form", "_own_weights"):
+            other.__dict__.pop(name, None)
         other.scale = distance.scale(self._spectrum)
-        other.centre = self._mean * other.scale
-        other.__dict__.pop("_own_weights", None)
         return other
-
-    def shares_basis(self, distance: Distance) -> bool:
-        """Whether samples of the basis serve another distance too."""
-        if self._spectrum is None and distance.spectral:
-            return False
-        basis = distance.basis(self.mesh, self._spectrum)
-        return basis is self.basis or np.array_equal(basis, self.basis)
-
-    @property
-    def spectrum(self) -> Spectrum:
-        """The eigenpairs used: .values (k,), .vectors (n, k)."""
-        if self._spectrum is None or not self.distance_kind.spectral:
-            raise ValueError(f"the {self.distance_kind.title.lower()} uses no eigenpairs")
-        return self._spectrum
-
-    @property
-    def description(self) -> str:
-        """The distance's name and parameters in words."""
-        return self.distance_kind.describe(self._spectrum)
-
-    @property
-    def vertex_embedding(self) -> Floats:
-        """(n, k) the embedded vertices v_i*."""
-        return self.basis * self.scale
 
     def embed(self, points: ArrayLike) -> Floats:
         """Points carried into the embedding, p* = sum_i w_i(p) v_i*.
@@ -152,8 +140,21 @@ class InteriorDistance:
         points, rtol = as_points(points, self.mesh.dimension), self.rtol if rtol is None else rtol
         approximation = None if rtol == 0.0 else self._approximation(weights)
         if approximation is None:
-            return (yield from self.coordinates.interpolate_steps(points, self.basis))
+            return (yield from self._exact_steps(points))
         return (yield from approximation.interpolate_steps(points, OF_A_POINT * rtol))
+
+    def _exact_steps(self, points: Floats) -> Generator[float, None, Floats]:
+        """The basis at points; a wide one in portions, so that no step takes long."""
+        basis = self.basis
+        if basis.shape[1] <= WIDE:
+            return (yield from self.coordinates.interpolate_steps(points, basis))
+        result = np.empty((len(points), basis.shape[1]))
+        size = max(FEWEST, NUMBERS_AT_A_TIME * 32 // basis.size)
+        for start in range(0, len(points), size):
+            part = slice(start, start + size)
+            result[part] = finish(self.coordinates.interpolate_steps(points[part], basis))
+            yield min(1.0, (start + size) / len(points))
+        return result
 
     def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:
         """What an error of each column of the basis counts, (k,), in largest boundary distances.
@@ -177,7 +178,7 @@ class InteriorDistance:
         return self.error_weights()
 
     def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
-        """Interior distance by eq. 1, |p* - q*|.
+        """Interior distance by eq. 1, |p* - q*|; where the distance knows a way past p*, by that.
 
         Args:
             p: (p, 3) or (1, 3).
@@ -186,6 +187,9 @@ class InteriorDistance:
         Returns:
             (p,), NaN where a point is outside the mesh.
         """
+        if self._form is not None:
+            ends = as_points(q, self.mesh.dimension)
+            return finish(self._form_steps(p, lambda part: self.coordinates.weights(_some(ends, part))))
         return np.linalg.norm(self.embed(p) - self.embed(q), axis=1)
 
     def gram_distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
@@ -201,9 +205,34 @@ class InteriorDistance:
             (p,), NaN where a point is outside the mesh.
         """
         difference = self.coordinates.weights(p) - self.coordinates.weights(q)
-        columns = self.vertex_embedding
-        applied = (difference @ columns) @ columns.T
-        return np.sqrt(np.maximum(np.einsum("pn,pn->p", difference, applied), 0.0))
+        return by_gram(difference, self.vertex_embedding)
+
+    def pairwise_distance(
+        self, p: ArrayLike, q: ArrayLike, squares: Floats | None = None, expanded: bool = False
+    ) -> Floats:
+        """Interior distance by eq. 4, or eq. 5, from the distances between the vertices and no embedding.
+
+        Args:
+            p: (p, 3) or (1, 3).
+            q: (p, 3) or (1, 3).
+            squares: (n, n) squared distances between the vertices; `boundary_squares` by default.
+            expanded: eq. 5, the sums written out, instead of eq. 4.
+
+        Returns:
+            (p,), NaN where a point is outside the mesh. Where distances do not embed, squares may be
+            negative; they count as 0.
+        """
+        squares = self.boundary_squares() if squares is None else squares
+        first, second = self.coordinates.weights(p), self.coordinates.weights(q)
+        if expanded:
+            first, second = np.broadcast_arrays(first, second)
+            return by_expansion(first, second, squares)
+        return by_squares(first - second, squares)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Which of the points (p, 3) lie inside the mesh or on it."""
+        ones = np.ones((len(self.mesh.vertices), 1))
+        return np.isfinite(finish(self.coordinates.interpolate_steps(points, ones))[:, 0])
 
     def field(self, source: ArrayLike, points: ArrayLike) -> Floats:
         """Distances from one source to many points.
@@ -215,7 +244,7 @@ class InteriorDistance:
         Returns:
             (p,), NaN for points outside the mesh.
         """
-        return np.linalg.norm(self.embed(points) - self.embed(np.reshape(source, (1, 3))), axis=1)
+        return self.distance(points, np.reshape(source, (1, self.mesh.dimension)))
 
     def potential(self, points: ArrayLike) -> Floats:
         """U(p), whose smallest value marks the barycentroid; section 7 of the paper.
@@ -233,6 +262,9 @@ class InteriorDistance:
 
     def potential_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
         """`potential` as a generator that yields the share done every few milliseconds."""
+        if self._form is not None and self._basis is None:
+            mean = self._masses / self._masses.sum()
+            return (yield from self._form_steps(points, lambda part: mean))
         samples = yield from self.sample_steps(points)
         return np.linalg.norm(samples * self.scale - self.centre, axis=1)
 
@@ -247,6 +279,19 @@ class InteriorDistance:
         """
         return finish(self.coordinates.negativity_steps(points))
 
+    def _form_steps(
+        self, points: ArrayLike, others: Callable[[slice], Floats]
+    ) -> Generator[float, None, Floats]:
+        """sqrt(z^T A z) where z is the weights of points (p, 3), less those of others."""
+        points, form = as_points(points, self.mesh.dimension), self._form
+        assert form is not None
+        squares, size = [], max(1, NUMBERS_AT_A_TIME // len(self.mesh.vertices))
+        for start in range(0, len(points), size):
+            part = slice(start, start + size)
+            differences = self.coordinates.weights(points[part]) - others(part)
+            squares.append((yield from form.squares_steps(differences)))
+        return np.sqrt(np.maximum(np.concatenate([np.empty(0), *squares]), 0.0))
+
     def barycentroid(self) -> Barycentroid:
         """The point inside where the potential is smallest; see `idviewer.core.barycentroid`."""
         return finish(self.barycentroid_steps())
@@ -256,37 +301,6 @@ class InteriorDistance:
         return barycentroid_steps(self.mesh, self.potential_steps)
 
 
-def extent(points: Floats) -> float:
-    """Nearly the largest distance between two of the points (p, k), never more.
-
-    >>> extent(np.array([[0.0], [1.0], [3.0]]))
-    3.0
-    """
-    farthest = points.mean(axis=0)
-    for _ in range(3):
-        distances = np.linalg.norm(points - farthest, axis=1)
-        farthest = points[np.argmax(distances)]
-    return float(distances.max())
-
-
-def interior_distance(mesh: Mesh, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
-    """Interior distances of point pairs; for many calls on one mesh keep an `InteriorDistance`.
-
-    Args:
-        mesh: n vertices.
-        p: (p, 3) or (1, 3).
-        q: (p, 3) or (1, 3).
-        distance: the boundary distance, the diffusion distance by default.
-
-    Returns:
-        (p,), NaN where a point is outside the mesh.
-
-    >>> from idviewer.core import read_mesh, sample_path
-    >>> hand = read_mesh(sample_path("hand_2k"))
-    >>> interior_distance(hand, hand.vertices[:1], hand.vertices[:1]).tolist()
-    [0.0]
-    """
-    points = np.concatenate([as_points(p, mesh.dimension), as_points(q, mesh.dimension)])
-    images = InteriorDistance(mesh, distance).embed(points)
-    count = len(as_points(p, mesh.dimension))
-    return np.linalg.norm(images[:count] - images[count:], axis=1)
+def _some(points: Floats, part: slice) -> Floats:
+    """A part of the points, or the only one."""
+    return points if len(points) == 1 else points[part]

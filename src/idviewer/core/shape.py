@@ -15,6 +15,10 @@ class ShapeError(ValueError):
     """A shape that cannot be read or used; one line says what is wrong, where, and what to do."""
 
 
+class DistanceError(ValueError):
+    """A boundary distance that a shape cannot have, or that is given wrongly; one line says why."""
+
+
 class Shape(Protocol):
     """A boundary with vertices, and the interior that it encloses.
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+import threading
+from collections.abc import Callable, Generator
+from concurrent.futures import Future, wait
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -22,3 +24,30 @@ def finish(steps: Generator[Any, None, Result]) -> Result:
             next(steps)
         except StopIteration as stop:
             return stop.value
+
+
+CHECKPOINT = 0.005
+"""Seconds between two checkpoints while something works beside."""
+
+
+def beside(call: Callable[[], Result]) -> Generator[None, None, Result]:
+    """One long call of a routine that lets go of Python's lock (LAPACK's), with checkpoints while it works.
+
+    Closed before its end, it leaves the routine to itself: there is no stopping it, and nobody takes what it
+    returns.
+
+    >>> finish(beside(lambda: 6 * 7))
+    42
+    """
+    outcome: Future[Result] = Future()
+
+    def work() -> None:
+        try:
+            outcome.set_result(call())
+        except BaseException as error:
+            outcome.set_exception(error)
+
+    threading.Thread(target=work, daemon=True, name="idviewer-lapack").start()
+    while not wait([outcome], CHECKPOINT).done:
+        yield
+    return outcome.result()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Hashable, Iterator
 from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, InteriorDistance, Mesh, MeshError, Spectrum, read_mesh
+from idviewer.core import Distance, InteriorDistance, Mesh, Spectrum, read_mesh
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.session.framing import Framing
@@ -41,7 +41,7 @@ class Pipeline:
 
     def __init__(self) -> None:
         self._prepared: Prepared | None = None
-        self._preparing: tuple[Mesh, bool, Generator[Progress, None, Prepared]] | None = None
+        self._preparing: tuple[Mesh, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
 
     def results(self, request: Request) -> Results:
@@ -57,7 +57,12 @@ class Pipeline:
                     self._preparing = None
                     if self._prepared is not None:
                         self._prepared.forget_search()
-        except (MeshError, ValueError, MemoryError, np.linalg.LinAlgError) as error:
+        except (
+            ValueError,
+            OSError,
+            MemoryError,
+            np.linalg.LinAlgError,
+        ) as error:  # MeshError is a ValueError
             self._preparing = None
             yield Failure(error)
 
@@ -66,6 +71,7 @@ class Pipeline:
         prepared = self._prepared
         if prepared is None or prepared.mesh is not request.mesh or prepared.lacks_eigenpairs(distance):
             prepared = yield from self._prepare(request)
+        yield from _with_progress(_stage(distance), prepared.basis_steps(distance))
         framing = Framing(prepared, request.query)
         modes = len(framing.solver.spectrum.values) if distance.spectral else 0
         if self._told != (prepared, modes):
@@ -75,10 +81,10 @@ class Pipeline:
         yield from _coarse_to_fine(prepared, framing, samples)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
-        mesh, spectral = request.mesh, request.query.distance.spectral
-        if self._preparing is None or self._preparing[:2] != (mesh, spectral):
+        mesh, key = request.mesh, request.query.distance.basis_key
+        if self._preparing is None or self._preparing[:2] != (mesh, key):
             known = self._prepared if self._prepared is not None and self._prepared.mesh is mesh else None
-            self._preparing = (mesh, spectral, _preparation(mesh, request.query.distance, known))
+            self._preparing = (mesh, key, _preparation(mesh, request.query.distance, known))
         steps = self._preparing[2]
         # Not `yield from`: that would close the preparation together with this request.
         while True:
@@ -111,7 +117,11 @@ def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSam
             yield (yield from framing.frame_steps(slices, level))
 
 
-def _with_progress(stage: str, steps: Generator[float, None, Made]) -> Generator[Progress, None, Made]:
+def _stage(distance: Distance) -> str:
+    return f"Preparing the {distance.title.lower()}"
+
+
+def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Generator[Progress, None, Made]:
     """Runs steps to their end and tells of them."""
     while True:
         try:
@@ -151,7 +161,9 @@ def _preparation(
     if known is not None:
         known.spectrum = spectrum
         return known
-    solver = InteriorDistance(mesh, distance, spectrum=spectrum)
+    solver = yield from _with_progress(
+        _stage(distance), InteriorDistance.steps(mesh, distance, spectrum=spectrum)
+    )
     yield Progress("Finding the barycentroid")
     descent = solver.barycentroid_steps()
     while True:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Generator
+from collections.abc import Generator, Hashable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,10 @@ from idviewer.session.state import Point, QueryError
 
 Floats = NDArray[np.float64]
 
-KEPT_PLANES, KEPT_POINTS = 6, 8
+KEPT_PLANES, KEPT_POINTS, KEPT_BASES = 6, 8, 4
+NUMBERS = 3e7
+"""Of the basis on the finest level of a slice: 240 MB."""
+
 FACE_VISITS = 1.2e9
 """Work spent on the exact level of a slice: a few seconds on two cores."""
 
@@ -43,7 +46,7 @@ class Sampled:
     def on(self, plane: Plane) -> PlaneSamples:
         """The samples on a plane, those of the planes used last kept."""
         if plane not in self._planes:
-            finest = int(FACE_VISITS / len(self.solver.mesh.faces))
+            finest = int(min(FACE_VISITS / len(self.solver.mesh.faces), NUMBERS / self.solver.basis.shape[1]))
             self._planes[plane] = PlaneSamples(self.sampler, plane, finest)
         self._planes.move_to_end(plane)
         while len(self._planes) > KEPT_PLANES:
@@ -92,6 +95,7 @@ class Prepared:
         self._sampled = [Sampled(solver)]
         self._found: dict[Distance, Barycentroid] = {solver.distance_kind: barycentroid}
         self._latest = barycentroid
+        self._building: tuple[Hashable, Generator[float | None, None, InteriorDistance]] | None = None
         self._search: tuple[Distance, Generator[float | None, None, Barycentroid]] | None = None
 
     def lacks_eigenpairs(self, distance: Distance) -> bool:
@@ -99,12 +103,36 @@ class Prepared:
         return distance.spectral and self.spectrum is None
 
     def sampled(self, distance: Distance) -> Sampled:
-        """The samples of the distance's basis."""
-        for one in self._sampled:
-            if one.solver.shares_basis(distance):
-                return one
-        self._sampled.append(Sampled(InteriorDistance(self.mesh, distance, spectrum=self.spectrum)))
-        return self._sampled[-1]
+        """The samples of the distance's basis, which must be there."""
+        return next(one for one in self._sampled if one.solver.shares_basis(distance))
+
+    def basis_steps(self, distance: Distance) -> Generator[float | None, None, None]:
+        """Makes the distance's basis where it is not there; goes on where a closed attempt stopped.
+
+        Yields the share done, or None, every few milliseconds.
+        """
+        if any(one.solver.shares_basis(distance) for one in self._sampled):
+            return
+        if self._building is None or self._building[0] != distance.basis_key:
+            steps = InteriorDistance.steps(self.mesh, distance, spectrum=self.spectrum)
+            self._building = (distance.basis_key, steps)
+        while True:
+            try:
+                share = next(self._building[1])
+            except StopIteration as stop:
+                self._building = None
+                self._keep(Sampled(stop.value))
+                return
+            except Exception:
+                self._building = None
+                raise
+            yield share
+
+    def _keep(self, sampled: Sampled) -> None:
+        """Beside the first ones; those used longest ago make room."""
+        self._sampled.append(sampled)
+        while len(self._sampled) > KEPT_BASES:
+            self._sampled.pop(0)
 
     def is_settled(self, distance: Distance) -> bool:
         """Whether the distance's own barycentroid is known."""
@@ -132,5 +160,5 @@ class Prepared:
             yield
 
     def forget_search(self) -> None:
-        """Drops a search that was closed half-way."""
-        self._search = None
+        """Drops what was closed half-way."""
+        self._search = self._building = None

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from typing import Any, TextIO
 
-from idviewer.core import DISTANCES, Plane
+from idviewer.core import Distance, Plane, parameters_of
+from idviewer.core.distances import made
 from idviewer.core.rays import Ray
 from idviewer.session.session import Session
 
@@ -64,9 +65,19 @@ def _to_plain(value: Any) -> Any:
         return asdict(value)
     if isinstance(value, tuple):
         return [_to_plain(item) for item in value]
-    if type(value) in DISTANCES.values():
-        return {"name": value.name, **asdict(value)}
+    if isinstance(value, Distance):
+        return {"name": value.name, **{one: _parameter(value, one) for one in parameters_of(value)}}
     return value
+
+
+def _parameter(distance: Distance, name: str) -> Any:
+    value = getattr(distance, name)
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise ValueError(
+        f"the {distance.title.lower()}'s {name} was handed over as a Python object and cannot be recorded; "
+        "give a file or an expression"
+    )
 
 
 def _from_plain(name: str, value: Any) -> Any:
@@ -76,5 +87,5 @@ def _from_plain(name: str, value: Any) -> Any:
         return Ray(tuple(value["origin"]), tuple(value["direction"]))
     if name == "distance":
         parameters = {key: item for key, item in value.items() if key != "name"}
-        return DISTANCES[value["name"]](**parameters)
+        return made(value["name"], parameters)
     return tuple(value) if isinstance(value, list) else value

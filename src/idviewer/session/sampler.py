@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core import DISTANCES, Distance, InteriorDistance
-from idviewer.core.distances import parameters_of
+from idviewer.core.distances import Number, parameters_of
 from idviewer.session.memory import give_back
 
 Floats = NDArray[np.float64]
@@ -21,6 +21,9 @@ COARSE, FINE = 2.5e-3, 3.5e-4
 
 LOOSEST = 1.9e-3
 """A larger tolerance would take one more tree, and its memory, and save little."""
+
+WIDE = 400
+"""Columns from which on the moments of clusters take more memory and time than they save."""
 
 TELLING = 0.03
 """Columns that weigh less than this share of the heaviest do not tell where errors are large."""
@@ -41,7 +44,8 @@ class Sampler:
 
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
-        self.exact_always = len(solver.mesh.faces) <= QUICK_FACES
+        wide = solver.basis.shape[1] > WIDE
+        self.exact_always = wide or solver.mesh.dimension == 2 or len(solver.mesh.faces) <= QUICK_FACES
         self.ready = self.exact_always
         self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
@@ -108,6 +112,7 @@ def extremes(solver: InteriorDistance) -> list[Distance]:
     for distance in _common(solver):
         found.append(distance)
         for name, parameter in parameters_of(distance).items():
-            middle = parameter.default(float(solver.spectrum.values[0]))
-            found += [type(distance)(**{name: middle * end}) for end in parameter.span]
+            if isinstance(parameter, Number):
+                middle = parameter.default(float(solver.spectrum.values[0]))
+                found += [type(distance)(**{name: middle * end}) for end in parameter.span]
     return found

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from idviewer.core import Mesh, Plane
-from idviewer.core.distances import with_defaults
+from idviewer.core import Diffusion, Mesh, Plane
+from idviewer.core.distances import missing, with_defaults
 from idviewer.core.plane import AXES
 from idviewer.core.rays import Ray
 from idviewer.session.picking import FramePicker, Probe, Target, pick
@@ -133,6 +133,8 @@ class Session:
         self._cancelled = False
         # A plane, a source and a diffusion time mean nothing on another mesh.
         distance = with_defaults(self.state.query.distance)
+        if missing(distance):
+            distance = Diffusion()
         query = replace(self.state.query, planes=(default_plane(mesh),), source=None, distance=distance)
         display = replace(self.state.display, active_plane=0)
         self._change(State(mesh, query, display))

@@ -12,7 +12,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
-from idviewer.core import Mesh, MeshError
+from idviewer.core import DistanceError, Mesh, MeshError
 from idviewer.core.rays import Ray
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.session.session import Session
@@ -134,7 +134,7 @@ class MainWindow(QMainWindow):
 
     def on_failed(self, error: BaseException) -> None:
         """One line for the user; for the log the trace too, where the error is ours and not the input's."""
-        expected = isinstance(error, MeshError | QueryError | OSError)
+        expected = isinstance(error, MeshError | QueryError | DistanceError | OSError)
         LOG.error("%s", error, exc_info=None if expected else error)
         path = self._asked
         if isinstance(error, MeshError) and error.components and path is not None:

@@ -1,0 +1,89 @@
+"""Which distance the command line's words stand for, and the help on all there are: from the registry."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from idviewer.cli.options import Kind
+    from idviewer.core import Distance
+    from idviewer.core.distances import Parameter
+
+WIDTH = 78
+"""Of the help, in characters."""
+
+
+def distance_of(kind: Kind) -> Distance:
+    """The distance of that name, with those parameters.
+
+    Raises:
+        ValueError: there is no such distance or parameter, or a value means nothing.
+        FileNotFoundError: there is no such file.
+    """
+    from idviewer.core import DISTANCES, parameters_of
+    from idviewer.core.distances import File, missing
+
+    name = kind.distance
+    if name not in DISTANCES:
+        raise ValueError(f"--distance {name}: there is no such distance; there are: {', '.join(DISTANCES)}")
+    parameters, values = parameters_of(DISTANCES[name]), {}
+    for option, parameter, text in _settings(kind):
+        if parameter not in parameters:
+            raise ValueError(f"{option}: {name} has no {parameter}; {_instead(name, parameter)}")
+        values[parameter] = _value(option, parameters[parameter], text)
+        try:
+            made = DISTANCES[name](**values)
+        except ValueError as error:
+            raise ValueError(f"{option}: {error}") from error
+        if isinstance(parameters[parameter], File) and not Path(text).is_file():
+            raise FileNotFoundError(f"{option}: there is no file {text}")
+    made = DISTANCES[name](**values)
+    for parameter in missing(made):
+        needs = parameters[parameter].in_words()
+        raise ValueError(f"--distance {name}: it needs {needs}; add --set {parameter}=FILE")
+    return made
+
+
+def _settings(kind: Kind) -> list[tuple[str, str, str]]:
+    """What is to be set: the option as written, the parameter's name, the value's text."""
+    settings = []
+    for text in kind.set:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise ValueError(f"--set {text}: write NAME=VALUE, such as --set time=0.1")
+        settings.append((f"--set {text}", name.strip(), value))
+    if kind.time is not None:
+        settings.append((f"--time {kind.time:g}", "time", repr(kind.time)))
+    return settings
+
+
+def _value(option: str, parameter: Parameter, text: str) -> Any:
+    try:
+        return parameter.parse(text)
+    except ValueError as error:
+        raise ValueError(f"{option}: {error}") from error
+
+
+def _instead(name: str, parameter: str) -> str:
+    """What else to write than a parameter that the distance does not have."""
+    from idviewer.core import DISTANCES, parameters_of
+
+    others = [other for other, kind in DISTANCES.items() if parameter in parameters_of(kind)]
+    if others:
+        return f"leave it out, or take --distance {', '.join(others)}"
+    return f"its parameters: {', '.join(parameters_of(DISTANCES[name])) or 'none'}"
+
+
+def all_in_words() -> str:
+    """Every distance with its parameters, for the end of a verb's help."""
+    from idviewer.core import DISTANCES, parameters_of
+
+    lines = ["Distances (--distance NAME) and their parameters (--set NAME=VALUE):"]
+    for name, kind in DISTANCES.items():
+        lines.append(f"  {name:<13}{kind.title}")
+        for parameter, one in parameters_of(kind).items():
+            told = f"{parameter}: {one.help}; {one.in_words()}"
+            lines += wrap(told, WIDTH, initial_indent=" " * 17, subsequent_indent=" " * 19)
+    return "\n".join(lines)

@@ -1,0 +1,60 @@
+"""Boundary distances, one file each: a file that is put here is found, and registers what it defines."""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from idviewer.core.distances.biharmonic import Biharmonic
+from idviewer.core.distances.commute_time import CommuteTime
+from idviewer.core.distances.diffusion import Diffusion
+from idviewer.core.distances.euclidean import Euclidean
+from idviewer.core.distances.geodesic import Geodesic
+from idviewer.core.distances.given_distances import GivenDistances
+from idviewer.core.distances.given_embedding import GivenEmbedding
+from idviewer.core.distances.gps import GPS
+from idviewer.core.distances.parameters import Choice, File, Formula, Integer, Number, Parameter
+from idviewer.core.distances.registry import (
+    DISTANCES,
+    Basis,
+    Distance,
+    QuadraticForm,
+    check_dimension,
+    distance,
+    made,
+    missing,
+    parameters_of,
+    values_of,
+    with_defaults,
+)
+from idviewer.core.distances.spectral_filter import SpectralFilter
+
+__all__ = [
+    "DISTANCES",
+    "GPS",
+    "Basis",
+    "Biharmonic",
+    "Choice",
+    "CommuteTime",
+    "Diffusion",
+    "Distance",
+    "Euclidean",
+    "File",
+    "Formula",
+    "Geodesic",
+    "GivenDistances",
+    "GivenEmbedding",
+    "Integer",
+    "Number",
+    "Parameter",
+    "QuadraticForm",
+    "SpectralFilter",
+    "check_dimension",
+    "distance",
+    "made",
+    "missing",
+    "parameters_of",
+    "values_of",
+    "with_defaults",
+]
+
+for _module in sorted(one.name for one in iter_modules(__path__)):
+    import_module(f"{__name__}.{_module}")

@@ -1,0 +1,69 @@
+"""Diffusion distance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances.parameters import Number, positive
+from idviewer.core.distances.registry import distance
+from idviewer.core.distances.spectral import Spectral, needed, percentage
+from idviewer.core.spectrum import SMALLEST_KEPT, Spectrum, paper_cutoff, paper_time
+
+Floats = NDArray[np.float64]
+
+TIME = Number("Time", "how long heat flows, in the shape's unit squared", "t", paper_time, (1 / 8, 64.0))
+
+
+@distance
+@dataclass(frozen=True)
+class Diffusion(Spectral):
+    """Diffusion distance: the embedding is the diffusion map (exp(-lambda_k t) phi_k)_k.
+
+    Source: Coifman et al. 2005; Rustamov et al. 2009, section 4 (class 1) and appendix.
+
+    Attributes:
+        time: diffusion time t in the mesh's unit squared; None stands for the paper's 1 / (8 lambda_2).
+
+    >>> Diffusion().cutoff(1.0) == Diffusion(time=0.125).cutoff(1.0)
+    True
+    >>> Diffusion(time=-1.0)
+    Traceback (most recent call last):
+    ValueError: the diffusion time must be a positive number, not -1.0
+    """
+
+    name: ClassVar[str] = "diffusion"
+    title: ClassVar[str] = "Diffusion distance"
+    rank: ClassVar[int] = 10
+
+    time: float | None = field(default=None, metadata={"parameter": TIME})
+
+    def __post_init__(self) -> None:
+        if self.time is not None:
+            positive(self.time, "the diffusion time")
+
+    def cutoff(self, lambda_2: float) -> float:
+        """The bound below which exp(-lambda t) stays above 1e-6; for long times the paper's."""
+        paper = paper_cutoff(lambda_2)
+        return paper if self.time is None else max(paper, -math.log(SMALLEST_KEPT) / self.time)
+
+    def scale(self, spectrum: Spectrum | None) -> Floats:
+        """exp(-lambda t)."""
+        return np.exp(-needed(spectrum).values * self.resolved_time(needed(spectrum)))
+
+    def resolved_time(self, spectrum: Spectrum) -> float:
+        """The time t that is used, in the mesh's unit squared."""
+        return paper_time(float(spectrum.values[0])) if self.time is None else self.time
+
+    def describe(self, spectrum: Spectrum | None) -> str:
+        """Such as "Diffusion distance, t = 0.0123"; says so where the time asks for further modes."""
+        known = needed(spectrum)
+        time = self.resolved_time(known)
+        words = f"{self.title}, t = {time:.3g}"
+        if known.bound < (1.0 - 1e-9) * self.cutoff(float(known.values[0])):
+            words += f"; modes left out weigh up to {percentage(math.exp(-known.bound * time))}"
+        return words

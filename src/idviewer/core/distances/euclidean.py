@@ -1,0 +1,32 @@
+"""Straight-line distance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances.registry import Distance, distance
+from idviewer.core.shape import Shape
+from idviewer.core.spectrum import Spectrum
+
+Floats = NDArray[np.float64]
+
+
+@distance
+@dataclass(frozen=True)
+class Euclidean(Distance):
+    """Straight-line distance: the vertices are their own embedding, so the interior reproduces |p - q|.
+
+    A check of the whole chain, and the distance to compare with. Source: Rustamov et al. 2009, section 5.
+    """
+
+    name: ClassVar[str] = "euclidean"
+    title: ClassVar[str] = "Euclidean distance"
+    rank: ClassVar[int] = 80
+
+    def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
+        """The vertices, about the middle of the bounding box to keep their digits."""
+        return shape.vertices - shape.bounds.mean(axis=0)

@@ -1,0 +1,124 @@
+"""Distances between all pairs of vertices that the user gives."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances.parameters import Choice, File
+from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, distance
+from idviewer.core.distances.spectral import percentage
+from idviewer.core.npy import Held, given, matrix_of
+from idviewer.core.scaling import scaling_steps
+from idviewer.core.shape import DistanceError, Shape
+from idviewer.core.spectrum import Spectrum
+
+Floats = NDArray[np.float64]
+
+MATRIX = File("Matrix", "the distances", content="n x n distances, n the number of vertices")
+FITS = (("exact", "Must embed exactly"), ("approximate", "Nearest embedding"))
+FIT = Choice("Embedding", "whether distances that do not embed are refused or approximated", FITS)
+
+SYMMETRIC = 1e-8
+"""Largest difference between d_ij and d_ji, and largest d_ii, as a share of the largest distance."""
+
+EMBEDS = 1e-7
+"""Negative eigenvalues of the Gram matrix up to such a share of the largest are rounding of what is given."""
+
+LARGEST = 4000
+"""Vertices: the eigenvalues of so large a matrix take up to two minutes, and 1.6 GB."""
+
+
+@distance
+@dataclass(frozen=True)
+class GivenDistances(Distance):
+    """Any distances between the vertices, given as a matrix.
+
+    Its Gram matrix A = -J D J / 2 (eq. 3, D the squared distances) is decomposed. If A is positive
+    semi-definite, the distances embed exactly (class 2), and the interior distance interpolates them.
+    Source: Rustamov et al. 2009, section 4.
+
+    Attributes:
+        matrix: (n, n) distances (not squared), or the path of a .npy file that holds them.
+        fit: "exact" refuses distances that do not embed; "approximate" takes the positive part of A, and
+            the description says how much that leaves out (class 3).
+    """
+
+    name: ClassVar[str] = "matrix"
+    title: ClassVar[str] = "Given distances"
+    rank: ClassVar[int] = 60
+
+    matrix: str | PathLike[str] | Floats | Held | None = field(default=None, metadata={"parameter": MATRIX})
+    fit: str = field(default="exact", metadata={"parameter": FIT})
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "matrix", given(self.matrix))
+        FIT.parse(self.fit)
+
+    @property
+    def basis_key(self) -> Hashable:
+        """The file or the array, and what is to be done where it does not embed."""
+        return self.name, self.matrix, self.fit
+
+    def squares(self, shape: Shape) -> Floats:
+        """(n, n) squared distances.
+
+        Raises:
+            DistanceError: the matrix holds no distances between this shape's vertices.
+        """
+        matrix = matrix_of(given(self.matrix), len(shape.vertices), "distances")
+        where = Path(self.matrix).name if isinstance(self.matrix, str) else "the distances"
+        check_distances(matrix, where)
+        return np.square(0.5 * (matrix + matrix.T))
+
+    def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
+        """The embedding of the distances."""
+        check_size(shape, LARGEST, "a matrix of distances", "take a shape of fewer vertices")
+        yield 0.0
+        scaling = yield from scaling_steps(self.squares(shape))
+        if scaling.most_negative < -EMBEDS:
+            if self.fit == "exact":
+                share = percentage(-scaling.most_negative)
+                raise DistanceError(
+                    "these distances do not embed exactly: the most negative eigenvalue of their Gram matrix "
+                    f"is {share} of the largest; fit=approximate takes the nearest embedding"
+                )
+            return Basis(scaling.embedding, f"{percentage(scaling.discarded)} of the Gram matrix left out")
+        return Basis(scaling.embedding)
+
+    def describe(self, spectrum: Spectrum | None) -> str:
+        """With the file's name."""
+        return f"{self.title} {Path(self.matrix).name if isinstance(self.matrix, str) else self.matrix}"
+
+
+def check_distances(matrix: Floats, where: str) -> None:
+    """Refuses a matrix (n, n) that is not square, symmetric, zero on the diagonal and nowhere negative."""
+    if matrix.shape[1] != len(matrix):
+        raise DistanceError(
+            f"{where}: its shape is {matrix.shape}; distances between all pairs of vertices are n x n"
+        )
+    largest = float(np.abs(matrix).max())
+    if matrix.min() < 0.0:
+        row, column = np.unravel_index(int(matrix.argmin()), matrix.shape)
+        raise DistanceError(
+            f"{where}: the distance in row {row}, column {column} is negative ({matrix.min():.4g})"
+        )
+    diagonal = int(np.diagonal(matrix).argmax())
+    if matrix[diagonal, diagonal] > SYMMETRIC * largest:
+        raise DistanceError(
+            f"{where}: a vertex is at distance 0 from itself, but row {diagonal} has "
+            f"{matrix[diagonal, diagonal]:.4g} on the diagonal"
+        )
+    gaps = np.abs(matrix - matrix.T)
+    if gaps.max() > SYMMETRIC * largest:
+        row, column = np.unravel_index(int(gaps.argmax()), gaps.shape)
+        raise DistanceError(
+            f"{where}: not symmetric: row {row}, column {column} has {matrix[row, column]:.6g}, "
+            f"row {column}, column {row} has {matrix[column, row]:.6g}"
+        )

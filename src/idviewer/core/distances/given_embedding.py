@@ -1,0 +1,65 @@
+"""An embedding that the user gives."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances.parameters import File
+from idviewer.core.distances.registry import Basis, Distance, Steps, distance
+from idviewer.core.npy import Held, given, matrix_of
+from idviewer.core.shape import Shape
+from idviewer.core.spectrum import Spectrum
+
+Floats = NDArray[np.float64]
+
+EMBEDDING = File("Embedding", "the embedded vertices", content="one row of coordinates for each vertex")
+
+
+@distance
+@dataclass(frozen=True)
+class GivenEmbedding(Distance):
+    """The distance of an embedding of the vertices, used as it is.
+
+    Attributes:
+        embedding: (n, m), or the path of a .npy file that holds it; row i is v_i*.
+
+    >>> import numpy as np
+    >>> from idviewer.core import InteriorDistance, Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> solver = InteriorDistance(tetrahedron, GivenEmbedding(np.array([[0.0], [2.0], [0.0], [0.0]])))
+    >>> solver.distance([[0.1, 0.1, 0.1]], [[0.6, 0.1, 0.1]]).round(12).tolist()
+    [1.0]
+    """
+
+    name: ClassVar[str] = "embedding"
+    title: ClassVar[str] = "Given embedding"
+    rank: ClassVar[int] = 70
+
+    embedding: str | PathLike[str] | Floats | Held | None = field(
+        default=None, metadata={"parameter": EMBEDDING}
+    )
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "embedding", given(self.embedding))
+
+    @property
+    def basis_key(self) -> Hashable:
+        """The file, or the array."""
+        return self.name, self.embedding
+
+    def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
+        """The rows, about their mean to keep their digits."""
+        yield 0.0
+        rows = matrix_of(given(self.embedding), len(shape.vertices), "embedding")
+        return Basis(np.ascontiguousarray(rows - rows.mean(axis=0)))
+
+    def describe(self, spectrum: Spectrum | None) -> str:
+        """With the file's name."""
+        return f"{self.title} {self.embedding}"

@@ -1,0 +1,199 @@
+"""What a boundary distance is, and the table of those there are: for menus and the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Hashable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances.parameters import Number, Parameter
+from idviewer.core.shape import DistanceError, Shape
+from idviewer.core.spectrum import Spectrum
+from idviewer.core.steps import finish
+
+Floats = NDArray[np.float64]
+Steps = Generator[float | None, None, "Basis"]
+Registered = TypeVar("Registered", bound="type[Distance]")
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """What is sampled inside.
+
+    Attributes:
+        columns: (n, k) one row a vertex; times the distance's scale it is the embedding.
+        remark: what there is to say about it, such as what it leaves out; for a scale bar.
+    """
+
+    columns: Floats
+    remark: str = ""
+
+
+class QuadraticForm(Protocol):
+    """z^T A z without an embedding, for distances that have it cheaper that way."""
+
+    def squares_steps(self, differences: Floats) -> Generator[float, None, Floats]:
+        """z^T A z of each row z (p, n) with the sum 0; yields the share done every few milliseconds."""
+
+
+class Distance:
+    """A boundary distance: it embeds the vertices so that distances between them become Euclidean.
+
+    A new one is a frozen dataclass that derives from this, carries the decorator `distance`, and has
+    either `basis` or `basis_steps`. The embedding of vertex i is basis[i] * scale. Only the basis is ever
+    sampled inside, so whatever changes the scale alone (a diffusion time) reuses every sample. A field
+    whose metadata holds a `Parameter` gets an option on the command line and a control in the window.
+
+    Attributes:
+        name: for the command line.
+        title: for menus.
+        rank: place in menus.
+        dimensions: of the shapes that it works on.
+        spectral: whether it needs eigenpairs.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+    name: ClassVar[str]
+    title: ClassVar[str]
+    rank: ClassVar[int] = 1000
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    spectral: ClassVar[bool] = False
+
+    def cutoff(self, lambda_2: float) -> float:
+        """Largest eigenvalue that matters, given the first non-zero one (spectral distances only)."""
+        return 0.0
+
+    def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
+        """(n, k) one row a vertex."""
+        return finish(self.basis_steps(shape, spectrum)).columns
+
+    def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
+        """`basis` as a generator that yields the share done, or None, every few milliseconds."""
+        yield from ()  # nothing to wait for
+        return Basis(self.basis(shape, spectrum))
+
+    @property
+    def basis_key(self) -> Hashable:
+        """Distances with equal keys have the same basis on the same shape: their samples are shared."""
+        return self
+
+    def scale(self, spectrum: Spectrum | None) -> Floats:
+        """(k,) factor of each column, or (1,) for all of them."""
+        return np.ones(1)
+
+    def describe(self, spectrum: Spectrum | None) -> str:
+        """Name and parameters in words, for a scale bar."""
+        return self.title
+
+    def form(self, shape: Shape) -> QuadraticForm | None:
+        """The way past an embedding, where there is one; it serves pairs and fields of points."""
+        return None
+
+    def squares(self, shape: Shape) -> Floats | None:
+        """(n, n) squared distances between the vertices, where they are given rather than computed."""
+        return None
+
+
+DISTANCES: dict[str, type[Distance]] = {}
+"""Every distance by its name, in the order of menus."""
+
+
+def distance(kind: Registered) -> Registered:
+    """Enters a class into `DISTANCES`; to be written above `@dataclass(frozen=True)`."""
+    if kind.name in DISTANCES and DISTANCES[kind.name].__qualname__ != kind.__qualname__:
+        raise ValueError(f"there are two distances with the name {kind.name!r}")
+    DISTANCES[kind.name] = kind
+    ranked = sorted(DISTANCES.values(), key=lambda one: (one.rank, one.name))
+    DISTANCES.clear()
+    DISTANCES.update((one.name, one) for one in ranked)
+    return kind
+
+
+def check_dimension(kind: Distance, shape: Shape) -> None:
+    """Refuses a shape that the distance does not work on."""
+    if shape.dimension not in kind.dimensions:
+        where = " and ".join(f"{one}D" for one in kind.dimensions)
+        raise DistanceError(
+            f"the {kind.title.lower()} works in {where}, and the shape is {shape.dimension}D; choose another"
+        )
+
+
+def check_size(shape: Shape, limit: int, what: str, advice: str) -> None:
+    """Refuses shapes whose dense matrices would not fit."""
+    count = len(shape.vertices)
+    if count > limit:
+        raise DistanceError(
+            f"{what} takes {8e-9 * count**2:.2g} GB for {count:,} vertices; the limit is {limit:,}: {advice}"
+        )
+
+
+def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
+    """What may be set of a kind of distance, by the name of the field.
+
+    >>> from idviewer.core.distances import GPS, Diffusion
+    >>> [(name, one.symbol) for name, one in parameters_of(Diffusion).items()], parameters_of(GPS)
+    ([('time', 't')], {})
+    """
+    found = ((one.name, one.metadata.get("parameter")) for one in fields(kind))
+    return {name: parameter for name, parameter in found if parameter is not None}
+
+
+def missing(distance: Distance) -> list[str]:
+    """The parameters without which the distance can do nothing, and which are not given.
+
+    >>> from idviewer.core.distances import Diffusion, GivenDistances
+    >>> missing(Diffusion()), missing(GivenDistances())
+    ([], ['matrix'])
+    """
+    return [
+        name
+        for name, one in parameters_of(distance).items()
+        if one.needed and getattr(distance, name) is None
+    ]
+
+
+def values_of(distance: Distance, lambda_2: float | None) -> dict[str, Any]:
+    """The distance's parameters, defaults worked out, by the name of the field.
+
+    >>> from idviewer.core.distances import GPS, Diffusion
+    >>> values_of(Diffusion(), 2.0), values_of(Diffusion(time=1.0), 2.0), values_of(GPS(), 2.0)
+    ({'time': 0.0625}, {'time': 1.0}, {})
+    """
+    values = {}
+    for name, parameter in parameters_of(distance).items():
+        value = getattr(distance, name)
+        if value is None and isinstance(parameter, Number) and lambda_2 is not None:
+            value = parameter.default(lambda_2)
+        values[name] = value if value is None or isinstance(value, int | float | str) else str(value)
+    return values
+
+
+def with_defaults(distance: Distance) -> Distance:
+    """The same kind of distance for another shape: what means nothing there is left to its default.
+
+    >>> from idviewer.core.distances import Diffusion
+    >>> with_defaults(Diffusion(time=2.0))
+    Diffusion(time=None)
+    """
+    return replace(distance, **{name: None for name, one in parameters_of(distance).items() if one.of_shape})
+
+
+def made(name: str, values: Mapping[str, Any]) -> Distance:
+    """The distance of that name with those values of its parameters.
+
+    Raises:
+        ValueError: there is no such distance, or it has no such parameter.
+
+    >>> made("diffusion", {"time": 2.0})
+    Diffusion(time=2.0)
+    """
+    if name not in DISTANCES:
+        raise ValueError(f"there is no such distance; there are: {', '.join(DISTANCES)}")
+    unknown = [one for one in values if one not in parameters_of(DISTANCES[name])]
+    if unknown:
+        has = ", ".join(parameters_of(DISTANCES[name])) or "none"
+        raise ValueError(f"{name} has no parameter {unknown[0]!r}; its parameters: {has}")
+    return DISTANCES[name](**values)

@@ -1,0 +1,108 @@
+"""Any spectral filter of the user's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances.parameters import Formula
+from idviewer.core.distances.registry import distance
+from idviewer.core.distances.spectral import Spectral, needed, percentage
+from idviewer.core.expressions import Expression
+from idviewer.core.shape import DistanceError
+from idviewer.core.spectrum import Spectrum
+
+Floats = NDArray[np.float64]
+
+HEAT = "exp(-lambda / (8 * lambda_2))"
+FILTER = Formula("Filter", "f of the eigenvalue lambda, at least 0; lambda_2 is the first one", HEAT)
+
+TOLD = 1e-6
+"""Left-out modes that weigh less are not worth a word; as in the paper's appendix."""
+
+
+@distance
+@dataclass(frozen=True)
+class SpectralFilter(Spectral):
+    """The embedding is (f(lambda_k) phi_k)_k, with any f that is finite and not negative.
+
+    Diffusion is exp(-lambda t), GPS lambda ** -0.5, biharmonic 1 / lambda. The modes are those below the
+    paper's cut-off; the description says how much the first one left out weighs.
+
+    Attributes:
+        filter: an expression in lambda (or x) and lambda_2, the first non-zero eigenvalue, such as
+            "exp(-lambda / (8 * lambda_2))" or "1 / (1 + lambda)"; or a function from the eigenvalues (k,)
+            to as many numbers.
+
+    >>> SpectralFilter("1 / (1 + lambda)").filter
+    '1 / (1 + lambda)'
+    >>> SpectralFilter("lambda.real")
+    Traceback (most recent call last):
+    ValueError: "lambda.real" at character 1 is no part of an expression; there are numbers, + - * / **, \
+exp, log, sqrt, brackets, lambda (or x) and lambda_2
+    """
+
+    name: ClassVar[str] = "filter"
+    title: ClassVar[str] = "Spectral filter"
+    rank: ClassVar[int] = 40
+
+    filter: str | Callable[[Floats], Floats] = field(default=HEAT, metadata={"parameter": FILTER})
+
+    def __post_init__(self) -> None:
+        if isinstance(self.filter, str):
+            Expression(self.filter)
+        elif not callable(self.filter):
+            raise ValueError(f"a filter is an expression or a function, not {self.filter!r}")
+
+    def scale(self, spectrum: Spectrum | None) -> Floats:
+        """f(lambda).
+
+        Raises:
+            DistanceError: f is negative, infinite or NaN at an eigenvalue, zero at all, or of another shape.
+        """
+        values = needed(spectrum).values
+        return self._checked(self._at(values, float(values[0])), values)
+
+    def _at(self, values: Floats, lambda_2: float) -> Floats:
+        if isinstance(self.filter, str):
+            return Expression(self.filter)(values, lambda_2)
+        return np.asarray(self.filter(values.copy()), dtype=np.float64)
+
+    def _checked(self, found: Floats, values: Floats) -> Floats:
+        if found.shape != values.shape:
+            raise DistanceError(
+                f"{self._words}: gives {found.shape} numbers for eigenvalues of shape {values.shape}"
+            )
+        wrong = np.flatnonzero(~(np.isfinite(found) & (found >= 0.0)))
+        if len(wrong):
+            first = wrong[0]
+            raise DistanceError(
+                f"{self._words}: is {found[first]:.3g} at lambda = {values[first]:.6g}; "
+                "a filter is finite and not negative at every eigenvalue"
+            )
+        if not found.any():
+            raise DistanceError(f"{self._words}: is 0 at every eigenvalue, so all distances would be 0")
+        return found
+
+    @property
+    def _words(self) -> str:
+        if isinstance(self.filter, str):
+            return f"the filter {self.filter}"
+        return f"the filter {getattr(self.filter, '__name__', self.filter)}"
+
+    def describe(self, spectrum: Spectrum | None) -> str:
+        """Such as "Spectral filter 1 / lambda, 76 modes; modes left out weigh up to 0.9%"."""
+        known = needed(spectrum)
+        shown = self._words.removeprefix("the filter ")
+        words = f"{self.title} {shown}, {len(known.values)} modes"
+        if not np.isfinite(known.bound):
+            return words
+        beyond = self._at(np.array([known.bound]), float(known.values[0])).ravel()[:1]
+        heaviest = self.scale(known).max()
+        if len(beyond) and beyond[0] > TOLD * heaviest:
+            words += f"; the first left out weighs {percentage(float(beyond[0] / heaviest))}"
+        return words

@@ -1,0 +1,108 @@
+"""The vertices of a boundary, embedded so that a distance between them becomes Euclidean."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core.distances import Basis, Distance, QuadraticForm, check_dimension
+from idviewer.core.equations import squares_of
+from idviewer.core.laplacian import masses_of
+from idviewer.core.mesh import Mesh
+from idviewer.core.spectrum import Spectrum, eigenpair_steps
+from idviewer.core.steps import finish
+
+Floats = NDArray[np.float64]
+
+
+class EmbeddedBoundary:
+    """What an interior distance knows of the boundary: eigenpairs, basis and scale, each made when needed.
+
+    Args:
+        mesh: n vertices.
+        distance: the boundary distance.
+        spectrum: eigenpairs computed before, to save computing them again.
+
+    Raises:
+        ValueError: the distance does not work in the shape's dimension.
+    """
+
+    def __init__(self, mesh: Mesh, distance: Distance, spectrum: Spectrum | None = None) -> None:
+        check_dimension(distance, mesh)
+        self.mesh, self.distance_kind = mesh, distance
+        self._spectrum = spectrum
+        self._basis: Basis | None = None
+        self._mean = np.empty(0)
+
+    def prepare_steps(self) -> Generator[float | None, None, None]:
+        """Makes the basis where it is not there yet, as a generator.
+
+        Whatever needs the basis does so at its first use.
+        """
+        if self._basis is not None:
+            return
+        if self._spectrum is None and self.distance_kind.spectral:
+            self._spectrum = yield from eigenpair_steps(self.mesh, self.distance_kind.cutoff)
+        basis = yield from self.distance_kind.basis_steps(self.mesh, self._spectrum)
+        basis.columns.setflags(write=False)
+        self._mean = (self._masses @ basis.columns) / self._masses.sum()
+        self._basis = basis
+
+    @cached_property
+    def _masses(self) -> Floats:
+        return masses_of(self.mesh) if self._spectrum is None else self._spectrum.masses
+
+    @cached_property
+    def _form(self) -> QuadraticForm | None:
+        return self.distance_kind.form(self.mesh)
+
+    @property
+    def basis(self) -> Floats:
+        """(n, k) what is sampled inside; times `scale` it is the embedding. Read-only."""
+        finish(self.prepare_steps())
+        assert self._basis is not None
+        return self._basis.columns
+
+    @cached_property
+    def scale(self) -> Floats:
+        """(k,) factor of each column of the basis, or (1,) for all of them."""
+        finish(self.prepare_steps())
+        return self.distance_kind.scale(self._spectrum)
+
+    @property
+    def centre(self) -> Floats:
+        """(k,) the area-weighted mean of the embedded vertices."""
+        scale = self.scale
+        return self._mean * scale
+
+    def shares_basis(self, distance: Distance) -> bool:
+        """Whether samples of the basis serve another distance too."""
+        if self._spectrum is None and distance.spectral:
+            return False
+        return distance.basis_key == self.distance_kind.basis_key
+
+    @property
+    def spectrum(self) -> Spectrum:
+        """The eigenpairs used: .values (k,), .vectors (n, k)."""
+        if self._spectrum is None or not self.distance_kind.spectral:
+            raise ValueError(f"the {self.distance_kind.title.lower()} uses no eigenpairs")
+        return self._spectrum
+
+    @property
+    def description(self) -> str:
+        """The distance's name and parameters in words, and what there is to say about its embedding."""
+        words = self.distance_kind.describe(self._spectrum)
+        return f"{words}; {self._basis.remark}" if self._basis is not None and self._basis.remark else words
+
+    @property
+    def vertex_embedding(self) -> Floats:
+        """(n, k) the embedded vertices v_i*."""
+        return self.basis * self.scale
+
+    def boundary_squares(self) -> Floats:
+        """D (n, n), squared distances between the vertices: given, or else of the embedding."""
+        given = self.distance_kind.squares(self.mesh)
+        return squares_of(self.vertex_embedding) if given is None else given

@@ -1,0 +1,168 @@
+"""Geodesic distance: paths of known length, landmarks against all pairs, and what embedding leaves out."""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from tests.core import shapes
+
+from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh
+from idviewer.core.equations import squares_of
+from idviewer.core.geodesics import Geodesics, landmark_steps
+from idviewer.core.scaling import double_centred, landmark_scaling_steps, scaling_steps
+from idviewer.core.steps import finish
+
+
+@pytest.fixture(scope="module")
+def sphere() -> Mesh:
+    return Mesh(*shapes.icosphere(3))
+
+
+def polygon(vertices: np.ndarray, wires: tuple[tuple[int, int], ...] = ()) -> SimpleNamespace:
+    """Stands for a Polygon of one loop."""
+    count = len(vertices)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    return SimpleNamespace(
+        dimension=2,
+        name="polygon",
+        vertices=vertices,
+        edges=np.stack([np.arange(count), np.roll(np.arange(count), -1)], axis=1),
+        bounds=np.stack([low, high]),
+        diagonal=float(np.linalg.norm(high - low)),
+        wires=np.array(wires, dtype=np.int64).reshape(-1, 2),
+    )
+
+
+@pytest.mark.parametrize(("method", "error"), [("exact", 0.012), ("heat", 0.04)])
+def test_on_a_sphere_they_are_great_circles(sphere, method, error):
+    expected = np.arccos(np.clip(sphere.vertices @ sphere.vertices[7], -1, 1))
+    found = Geodesics(sphere, method).from_vertex(7)
+    assert found[7] == 0
+    assert abs(found - expected).max() < error * np.pi
+
+
+def test_on_a_box_they_are_unfolded():
+    """Opposite corners of a unit cube are sqrt(5) apart."""
+    vertices, faces = shapes.cube()
+    for _ in range(2):
+        vertices, faces = shapes.subdivided(vertices, faces)
+    found = Geodesics(Mesh(vertices, faces), "exact").from_vertex(0)
+    assert found[7] == pytest.approx(5**0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["heat", "exact"])
+def test_size_and_place_do_not_matter(method):
+    vertices, faces = shapes.icosphere(2)
+    plain = Geodesics(Mesh(vertices, faces), method).from_vertex(3)
+    for size, shift in ((1e-9, 0.0), (1.0, 1e6)):
+        found = Geodesics(Mesh(size * vertices + shift, faces), method).from_vertex(3)
+        np.testing.assert_allclose(found, size * plain, atol=1e-6 * size)
+
+
+def test_along_a_polygon_they_are_arc_lengths_and_take_wires():
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
+    np.testing.assert_allclose(Geodesics(polygon(corners)).from_vertex(0), [0, 3, 4, 1], rtol=1e-12)
+    wired = Geodesics(polygon(corners, wires=((0, 2),)))
+    np.testing.assert_allclose(wired.from_vertex(0), [0, 3, 10**0.5, 1], rtol=1e-12)
+    embedded = Geodesic().basis(polygon(corners), None)
+    assert embedded.shape[0] == 4
+
+
+def test_landmarks_lie_far_apart(sphere):
+    chosen, distances = finish(landmark_steps(sphere, Geodesics(sphere), 20))
+    assert len(set(chosen.tolist())) == 20
+    assert distances.shape == (len(sphere.vertices), 20)
+    # Each is as far from those before as any vertex is.
+    for count in range(1, 20):
+        nearest = distances[:, :count].min(axis=1)
+        assert nearest[chosen[count]] == nearest.max()
+
+
+def test_landmarks_that_are_all_vertices_are_classical_scaling(rng):
+    squares = squares_of(rng.standard_normal((60, 4))) ** 0.7  # concave, so not quite Euclidean squares
+    order = rng.permutation(60)
+    full = finish(scaling_steps(squares))
+    landmarks = finish(landmark_scaling_steps(squares[:, order], order))
+    np.testing.assert_allclose(squares_of(landmarks.embedding), squares_of(full.embedding), rtol=1e-6)
+    assert landmarks.discarded == pytest.approx(full.discarded)
+
+
+def test_landmarks_place_the_others_exactly_where_distances_embed(rng):
+    squares = squares_of(rng.standard_normal((80, 3)))
+    placed = finish(landmark_scaling_steps(squares[:, :10], np.arange(10)))
+    np.testing.assert_allclose(squares_of(placed.embedding), squares, atol=1e-9 * squares.max())
+
+
+def test_scaling_is_the_positive_part_of_the_gram_matrix(sphere):
+    geodesics = Geodesics(sphere, "heat")
+    matrix = np.stack([geodesics.from_vertex(vertex) for vertex in range(len(sphere.vertices))])
+    squares = (0.5 * (matrix + matrix.T)) ** 2
+    values, vectors = np.linalg.eigh(double_centred(squares))
+    positive = (vectors * np.maximum(values, 0)) @ vectors.T
+    solver = InteriorDistance(sphere, Geodesic())
+    np.testing.assert_allclose(solver.vertex_embedding @ solver.vertex_embedding.T, positive, atol=1e-8)
+    left_out = -values[values < 0].sum() / abs(values).sum()
+    assert f"all pairs, {100 * left_out:.2g}%" in solver.description
+    assert left_out > 0.01, "a sphere's geodesics do not embed"
+
+
+def test_few_landmarks_come_as_near_to_the_geodesics_as_all_pairs_do(sphere):
+    """On a sphere the positive part is a third off: the embedding's limit, not the landmarks'."""
+    angles = np.arccos(np.clip(sphere.vertices @ sphere.vertices.T, -1, 1))
+    errors = []
+    for landmarks in (60, 2000):
+        solver = InteriorDistance(sphere, Geodesic(landmarks=landmarks))
+        errors.append(abs(np.sqrt(squares_of(solver.vertex_embedding)) - angles).mean() / angles.mean())
+    assert "all pairs" in solver.description
+    assert errors[0] < 1.05 * errors[1] < 0.4
+
+
+def test_it_tells_of_its_progress_and_shares_its_basis_with_itself(sphere):
+    shares = [one for one in Geodesic(landmarks=30).basis_steps(sphere, None) if one is not None]
+    assert len(shares) >= 30
+    assert shares == sorted(shares)
+    solver = InteriorDistance(sphere, Geodesic(landmarks=30))
+    assert solver.with_distance(Geodesic(landmarks=30)).basis is solver.basis
+    assert not solver.shares_basis(Geodesic(landmarks=31))
+    assert not solver.shares_basis(Geodesic(landmarks=30, method="exact"))
+
+
+@pytest.mark.parametrize(
+    ("values", "part"),
+    [
+        ({"landmarks": 3}, "landmarks: it lies between 4 and 2000, not 3"),
+        ({"landmarks": 2001}, "landmarks: it lies between"),
+        ({"landmarks": 7.5}, "landmarks: '7.5' is not a whole number"),
+        ({"method": "magic"}, "method: there is no 'magic'; there are: heat, exact"),
+    ],
+)
+def test_bad_parameters(values, part):
+    with pytest.raises(ValueError) as error:  # noqa: PT011
+        Geodesic(**values)
+    assert str(error.value).startswith(part)
+
+
+@pytest.mark.parametrize(("method", "package"), [("heat", "potpourri3d"), ("exact", "pygeodesic.geodesic")])
+def test_a_package_that_is_missing_is_named(sphere, method, package, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(
+        DistanceError, match=f"{method} geodesics need the package {package.split('.')[0]}: pip"
+    ):
+        Geodesics(sphere, method)
+    with pytest.raises(DistanceError, match="there is no method 'magic'"):
+        Geodesics(sphere, "magic")
+
+
+@pytest.mark.slow
+def test_27_000_vertices_with_300_landmarks():
+    from idviewer.core import read_mesh, sample_path
+
+    mesh = read_mesh(sample_path("hand_27k"))
+    solver = InteriorDistance(mesh, Geodesic(landmarks=300))
+    some = np.arange(0, len(mesh.vertices), 271)
+    exact = Geodesics(mesh, "heat").from_vertex(0)[some]
+    found = np.linalg.norm(solver.vertex_embedding[some] - solver.vertex_embedding[0], axis=1)
+    assert abs(found - exact).mean() < 0.2 * exact.mean()
