@@ -68,7 +68,7 @@ class Hand:
         if not self._left:
             self._timer.stop()
         plane = self._session.state.query.planes[0]
-        self._session.set(planes=(plane.moved(STEP * self._session.state.mesh.diagonal),))
+        self._session.set(planes=(plane.moved(STEP * self._session.state.shape.diagonal),))
 
 
 def without(path: Path, moves: int) -> int:

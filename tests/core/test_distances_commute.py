@@ -70,7 +70,7 @@ def test_gps_with_all_modes_is_the_commute_time_without_a_factor(mesh, solver, r
 
 
 def test_a_field_is_many_pairs_and_points_outside_are_nan(solver, rng):
-    points = np.concatenate([inner_points(solver.mesh, rng, 37), [[99.0, 0.0, 0.0]]])
+    points = np.concatenate([inner_points(solver.shape, rng, 37), [[99.0, 0.0, 0.0]]])
     field = solver.field(points[0], points)
     np.testing.assert_allclose(
         field[1:-1], solver.distance(points[1:-1], np.tile(points[0], (36, 1))), rtol=1e-9

@@ -106,7 +106,7 @@ def test_a_new_source_samples_only_itself(pipeline, monkeypatch):
 def test_a_frame_describes_itself(pipeline):
     frame = frames_of(pipeline, QUERY)[-1]
     assert frame.query == QUERY
-    assert frame.mesh is MESH
+    assert frame.shape is MESH
     assert frame.title.startswith("Diffusion distance, t = ")
     low, high = frame.value_range
     assert low == 0
@@ -183,7 +183,7 @@ def test_opening_reads_and_failing_to_tells_why(tmp_path):
     progress, opened = Pipeline().results(OpenRequest(path))
     assert progress == Progress("Reading egg.off")
     assert isinstance(opened, Opened)
-    np.testing.assert_array_equal(opened.mesh.vertices, MESH.vertices)
+    np.testing.assert_array_equal(opened.shape.vertices, MESH.vertices)
     *_, failure = Pipeline().results(OpenRequest(tmp_path / "nothing.off"))
     assert isinstance(failure, Failure)
     assert "nothing.off" in str(failure.error)

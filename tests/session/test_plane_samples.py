@@ -217,7 +217,7 @@ def test_a_plane_that_misses_the_body_gives_an_empty_slice(sampler):
 
 def test_on_a_small_mesh_every_sample_is_exact():
     solver = InteriorDistance(egg(2))
-    assert len(solver.mesh.faces) <= QUICK_FACES
+    assert len(solver.shape.faces) <= QUICK_FACES
     sampler = Sampler(solver)
     assert sampler.ready
     samples = PlaneSamples(sampler, Plane((0.1, 0, 0), (1.0, 0, 0)), 30000)

@@ -71,7 +71,7 @@ def settled(desk):
 def test_a_mesh_shown_ends_in_an_exact_frame_through_its_barycentroid(settled):
     frame = settled.session.frame
     assert frame.exact
-    assert frame.mesh is MESH
+    assert frame.shape is MESH
     (plane,) = frame.query.planes
     assert plane.normal == default_plane(MESH).normal == (1.0, 0.0, 0.0)
     assert abs(plane.height(frame.barycentroid[None])[0]) < 1e-12
@@ -159,16 +159,16 @@ def test_opening_replaces_the_mesh_and_failing_to_keeps_it(settled, tmp_path):
     settled.owner.run_until(lambda: bool(settled.told("failed")))
     settled.settle()
     assert settled.session.state == before
-    assert settled.session.frame.mesh is MESH
+    assert settled.session.frame.shape is MESH
     path = tmp_path / "small.off"
     write_off(path, Mesh(*shapes.icosphere(2)))
     settled.session.set(isolines=5)
     settled.session.open(path)
     settled.settle()
-    assert settled.session.state.mesh.name == "small"
+    assert settled.session.state.shape.name == "small"
     assert settled.session.state.display.isolines == 5
-    assert settled.session.frame.mesh is settled.session.state.mesh
-    assert settled.told("opened")[-1] == (settled.session.state.mesh, path)
+    assert settled.session.frame.shape is settled.session.state.shape
+    assert settled.told("opened")[-1] == (settled.session.state.shape, path)
 
 
 def test_opening_while_computing_keeps_the_old_computation_if_it_fails(desk, tmp_path):
@@ -185,7 +185,7 @@ def test_planes_moved_while_opening_do_not_cancel_the_opening(settled, tmp_path)
     settled.session.open(path)
     settled.session.set(planes=(Plane((0.1, 0, 0), (1.0, 0, 0)),))
     settled.owner.run_until(lambda: bool(settled.told("opened")[1:]))
-    assert settled.session.state.mesh.name == "small"
+    assert settled.session.state.shape.name == "small"
     settled.settle()
 
 
@@ -196,7 +196,7 @@ def test_cancelling_keeps_the_mesh_and_resuming_goes_on(desk):
     assert not desk.session.busy
     desk.session.set(source=(0.0, 0.0, 0.1))
     assert not desk.session.busy
-    assert desk.session.state.mesh is MESH
+    assert desk.session.state.shape is MESH
     assert desk.session.frame is None
     desk.session.resume()
     desk.settle()
@@ -210,10 +210,10 @@ def test_frames_of_another_mesh_are_dropped(settled):
     settled.session.show(other)
     assert settled.session.frame is None
     settled.settle()
-    late = [frame for (frame,) in settled.told("framed") if frame.mesh is other]
+    late = [frame for (frame,) in settled.told("framed") if frame.shape is other]
     assert late
     last_of_first = max(
-        i for i, entry in enumerate(settled.log) if entry[0] == "framed" and entry[1].mesh is MESH
+        i for i, entry in enumerate(settled.log) if entry[0] == "framed" and entry[1].shape is MESH
     )
     shown = next(i for i, entry in enumerate(settled.log) if entry == ("opened", other, None))
     assert last_of_first < shown

@@ -85,4 +85,4 @@ def frame(
 def shown(mesh: Mesh, **fields: object) -> State:
     """A state that shows nothing but what is asked for."""
     plain = {"isolines": 0, "opacity": 0.0, "scale_bar": False}
-    return State(mesh=mesh).with_(**(plain | fields))
+    return State(shape=mesh).with_(**(plain | fields))

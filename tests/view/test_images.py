@@ -31,7 +31,7 @@ def ball():
 @pytest.fixture
 def shown(ball):
     section = disc(values=along_x)
-    return State(mesh=ball), frame(ball, section, value_range=(-1.0, 1.0))
+    return State(shape=ball), frame(ball, section, value_range=(-1.0, 1.0))
 
 
 def _channels(pixels):
@@ -55,7 +55,7 @@ def test_the_background_is_transparent_and_the_slice_is_not(shown):
 
 
 def test_glass_is_translucent_more_so_in_its_middle(ball):
-    _, alpha = _channels(image(State(mesh=ball), None, SIZE, IN_FRONT, transparent=True))
+    _, alpha = _channels(image(State(shape=ball), None, SIZE, IN_FRONT, transparent=True))
     middle, rim = alpha[120, 160, 0], alpha[120].max()
     assert 0.1 < middle < 0.35
     assert rim > middle + 0.3
@@ -163,7 +163,7 @@ def test_the_body_keeps_clear_of_the_scale_bar():
     long = type(long)(long.vertices * [4.0, 1.0, 1.0], long.faces)
     plane = Plane((0, 0, 0), (0, 0, 1))
     made = frame(long, disc(plane, 0.5))
-    pixels = [image(State(mesh=long).with_(scale_bar=bar), made, (800, 600)) for bar in (True, False)]
+    pixels = [image(State(shape=long).with_(scale_bar=bar), made, (800, 600)) for bar in (True, False)]
     bar = np.argwhere(np.any(pixels[0] != 255, axis=(0, 2))).ravel()
     gaps = np.diff(bar)
     assert gaps.max() > 15  # between the body and the bar
@@ -179,7 +179,7 @@ sys.path[:0] = {paths!r}
 from tests.view.frames import sphere
 from idviewer.session.state import State
 from idviewer.view.images import image
-print(image(State(mesh=sphere(level=1)), None, (40, 30)).shape)
+print(image(State(shape=sphere(level=1)), None, (40, 30)).shape)
 """
 
 

@@ -156,7 +156,7 @@ class Hand:
 
     def __init__(self, qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
         self._qtbot, self._mouse, self._window = qtbot, mouse, window
-        mesh = window.session.state.mesh
+        mesh = window.session.state.shape
         assert mesh is not None
         self._bounds, self._axis = mesh.bounds, axis_of(window.session.state.query.planes[0]) or "y"
 
@@ -229,7 +229,7 @@ class Seen:
         actor = self._plotter.renderer.GetViewProps().GetItemAsObject(0)
         points = vtk_to_numpy(actor.GetMapper().GetInput().GetPoints().GetData())
         heights = self._session.frame.slices[0].plane.height(points * actor.GetScale() + actor.GetPosition())
-        if np.abs(heights).max(initial=0.0) > 1e-6 * self._session.frame.mesh.diagonal:
+        if np.abs(heights).max(initial=0.0) > 1e-6 * self._session.frame.shape.diagonal:
             self.stale.append(self._session.frame.slices[0].plane)
 
     def take_stock(self) -> None:
@@ -273,13 +273,13 @@ def watched(window: MainWindow) -> Iterator[Seen]:
 
 def assert_directly_computed(frame: Frame, state: State) -> None:
     """The frame answers the state, with values that the solver gives for its points."""
-    assert (frame.mesh, frame.query, frame.exact) == (state.mesh, state.query, True)
+    assert (frame.shape, frame.query, frame.exact) == (state.shape, state.query, True)
     (section,), query = frame.slices, state.query
     assert section.plane == query.planes[0]
     assert np.abs(section.plane.height(section.points)).max() < 1e-9
-    solver = InteriorDistance(frame.mesh, query.distance)
+    solver = InteriorDistance(frame.shape, query.distance)
     some = np.linspace(0, len(section.points) - 1, 200).astype(int)
     direct = solver.field(frame.source, section.points[some])
     np.testing.assert_allclose(section.values[some], direct, rtol=1e-7, atol=1e-9 * frame.value_range[1])
     apart = np.linalg.norm(frame.source - solver.barycentroid().point)
-    assert apart < 1e-6 * frame.mesh.diagonal
+    assert apart < 1e-6 * frame.shape.diagonal

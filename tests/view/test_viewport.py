@@ -84,7 +84,7 @@ def test_the_source_is_drawn_where_the_mouse_clicked(qtbot: QtBot, mouse: Mouse,
 
 def test_a_click_on_the_body_finds_the_surface(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
     viewport = window.viewport
-    window.session.set(planes=(Plane.along("x", 0.02, window.session.state.mesh.bounds),))
+    window.session.set(planes=(Plane.along("x", 0.02, window.session.state.shape.bounds),))
     wait_until_done(qtbot, window.session)
     mouse.click(viewport, *place(viewport, [0.5, 0.0, 0.0]))
     source = np.array(window.session.state.query.source)

@@ -99,7 +99,7 @@ def test_the_menu_opens_a_file_by_its_name(qtbot: QtBot, mouse: Mouse, ellipsoid
     mouse.type(str(ellipsoid))
     mouse.key("Return")
     wait_until_done(qtbot, window.session)
-    assert window.session.state.mesh.name == "ellipsoid"
+    assert window.session.state.shape.name == "ellipsoid"
 
 
 def test_the_menu_bar_works_with_the_mouse(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
@@ -122,11 +122,11 @@ def test_a_file_dragged_from_another_program_is_opened(qtbot: QtBot, mouse: Mous
         assert other.stdout is not None
         assert other.stdout.readline() == "shown\n"
         mouse.drag_from_elsewhere((1200, 750), window.viewport, 300, 300)
-        qtbot.waitUntil(lambda: window.session.state.mesh is not None)
+        qtbot.waitUntil(lambda: window.session.state.shape is not None)
         other.terminate()
         assert "CopyAction" in other.stdout.read()
     wait_until_done(qtbot, window.session)
-    assert window.session.state.mesh.name == "ellipsoid"
+    assert window.session.state.shape.name == "ellipsoid"
 
 
 def test_no_widget_keeps_a_dropped_file_from_the_window(window: MainWindow) -> None:
@@ -163,7 +163,7 @@ def test_a_wrong_file_leaves_the_old_shape(
     assert "\n" not in window.messages.text
     assert window.session.state == before
     after = window.session.frame
-    assert (after.mesh, after.query) == (frame.mesh, frame.query)
+    assert (after.shape, after.query) == (frame.shape, frame.query)
 
 
 def test_one_of_several_components_can_be_opened(qtbot: QtBot, mouse: Mouse, tmp_path: Path) -> None:
@@ -177,7 +177,7 @@ def test_one_of_several_components_can_be_opened(qtbot: QtBot, mouse: Mouse, tmp
     assert "1,280 faces" in window.messages.button.text()
     mouse.click(window.messages.button)
     wait_until_done(qtbot, window.session)
-    assert len(window.session.state.mesh.faces) == 1280
+    assert len(window.session.state.shape.faces) == 1280
 
 
 def test_repairs_are_told_and_dismissed(qtbot: QtBot, mouse: Mouse, tmp_path: Path) -> None:
@@ -189,7 +189,7 @@ def test_repairs_are_told_and_dismissed(qtbot: QtBot, mouse: Mouse, tmp_path: Pa
     window.open(path)
     wait_until_done(qtbot, window.session)
     assert window.messages.kind == "note"
-    assert window.messages.text == " ".join(window.session.state.mesh.notes)
+    assert window.messages.text == " ".join(window.session.state.shape.notes)
     mouse.click(window.messages._dismiss)
     assert window.messages.text == ""
 
@@ -226,7 +226,7 @@ def test_escape_cancels(qtbot: QtBot, mouse: Mouse, ellipsoid: Path) -> None:
     qtbot.waitUntil(window.status.bar.isVisible)
     mouse.key("Escape")
     assert not window.session.busy
-    assert window.session.state.mesh is not None
+    assert window.session.state.shape is not None
 
 
 def test_the_window_can_be_used_while_it_computes(qtbot: QtBot, mouse: Mouse, ellipsoid: Path) -> None:
@@ -271,6 +271,6 @@ def test_an_empty_window_does_nothing_and_closes(qtbot: QtBot, mouse: Mouse) -> 
             action.trigger()
     mouse.click(window.viewport, 200, 200)
     mouse.wheel(window.viewport, 200, 200, 1)
-    assert window.session.state.mesh is None
+    assert window.session.state.shape is None
     mouse.key("ctrl+q")
     qtbot.waitUntil(lambda: not window.isVisible())

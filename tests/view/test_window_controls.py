@@ -176,7 +176,7 @@ def test_dragging_the_time_recolours_live_without_sampling(
     assert row.multiple.text() == f"= {time / default:.3g} t₀"
     assert frame.value_range[1] < before.value_range[1]
     assert np.mean(np.any(pixels_of(window) != pixels, axis=2)) > 0.01
-    solver = InteriorDistance(frame.mesh, Diffusion(time=time))
+    solver = InteriorDistance(frame.shape, Diffusion(time=time))
     np.testing.assert_allclose(frame.barycentroid, solver.barycentroid().point, atol=1e-6 * AXES.max())
     mouse.click(row.reset)
     assert wait_until_done(qtbot, session).title == before.title

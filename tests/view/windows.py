@@ -64,7 +64,9 @@ def wait_until_done(qtbot: QtBot, session: Session) -> Frame:
     def done() -> bool:
         frame, state = session.frame, session.state
         return (
-            not session.busy and frame is not None and (frame.mesh, frame.query) == (state.mesh, state.query)
+            not session.busy
+            and frame is not None
+            and (frame.shape, frame.query) == (state.shape, state.query)
         )
 
     errors: list[BaseException] = []

@@ -14,7 +14,7 @@ from idviewer.cli.options import Asked, Ends, Looks
 
 if TYPE_CHECKING:
     from idviewer.cli.words import Triple
-    from idviewer.core import Distance, InteriorDistance, Mesh
+    from idviewer.core import Distance, InteriorDistance, Mesh, Shape
     from idviewer.session.pipeline import Pipeline
     from idviewer.session.state import Frame, Query
 
@@ -54,7 +54,7 @@ def many(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
 
 def _refuse_outside(solver: InteriorDistance, points: Sequence[Triple], places: list[str]) -> None:
     """An error that says which points are not in the body."""
-    mesh = solver.mesh
+    mesh = solver.shape
     outside = [index for index, inside in enumerate(solver.contains(points)) if not inside]
     if outside:
         more = f" (and {len(outside) - 1} more)" if len(outside) > 1 else ""
@@ -62,7 +62,7 @@ def _refuse_outside(solver: InteriorDistance, points: Sequence[Triple], places: 
         raise ValueError(f"{places[outside[0]]}: the point {point} lies outside the mesh{more}, {_box(mesh)}")
 
 
-def _box(mesh: Mesh) -> str:
+def _box(mesh: Shape) -> str:
     """Where the body is, for those who looked for it elsewhere."""
     corners = ("(" + ", ".join(f"{value:.4g}" for value in corner) + ")" for corner in mesh.bounds)
     return f"whose bounding box is {' to '.join(corners)}"

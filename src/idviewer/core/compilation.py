@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from typing import ClassVar
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.maximum_entropy import MaximumEntropyCoordinates
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.mesh import Mesh
+from idviewer.core.polygon import Polygon
 from idviewer.core.steps import finish
 
 
@@ -39,7 +39,7 @@ def compile_steps() -> Generator[float, None, None]:
             (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
-        lambda: mean_value_on(_Triangle()).weights(np.full((1, 2), 0.2)),
+        lambda: mean_value_on(Polygon(corners[:3, :2])).weights(np.full((1, 2), 0.2)),
         lambda: MaximumEntropyCoordinates(spindle).weights(np.full((1, 3), 0.1)),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
@@ -47,17 +47,6 @@ def compile_steps() -> Generator[float, None, None]:
     for done, call in enumerate(calls):
         call()
         yield (done + 1) / len(calls)
-
-
-class _Triangle:
-    """As much of a polygon as coordinates ask for."""
-
-    dimension: ClassVar[int] = 2
-    name = "triangle"
-    vertices = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    edges = np.array([[0, 1], [1, 2], [2, 0]])
-    bounds = np.array([[0.0, 0.0], [1.0, 1.0]])
-    diagonal = 2.0**0.5
 
 
 def _spindle(sides: int) -> Mesh:

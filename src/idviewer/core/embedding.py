@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from idviewer.core.distances import Basis, Distance, QuadraticForm, check_dimension
 from idviewer.core.equations import squares_of
 from idviewer.core.laplacian import masses_of
-from idviewer.core.mesh import Mesh
+from idviewer.core.shape import Shape
 from idviewer.core.spectrum import Spectrum, eigenpair_steps
 from idviewer.core.steps import finish
 
@@ -30,9 +30,9 @@ class EmbeddedBoundary:
         ValueError: the distance does not work in the shape's dimension.
     """
 
-    def __init__(self, mesh: Mesh, distance: Distance, spectrum: Spectrum | None = None) -> None:
+    def __init__(self, mesh: Shape, distance: Distance, spectrum: Spectrum | None = None) -> None:
         check_dimension(distance, mesh)
-        self.mesh, self.distance_kind = mesh, distance
+        self.shape, self.distance_kind = mesh, distance
         self._spectrum = spectrum
         self._basis: Basis | None = None
         self._mean = np.empty(0)
@@ -45,19 +45,19 @@ class EmbeddedBoundary:
         if self._basis is not None:
             return
         if self._spectrum is None and self.distance_kind.spectral:
-            self._spectrum = yield from eigenpair_steps(self.mesh, self.distance_kind.cutoff)
-        basis = yield from self.distance_kind.basis_steps(self.mesh, self._spectrum)
+            self._spectrum = yield from eigenpair_steps(self.shape, self.distance_kind.cutoff)
+        basis = yield from self.distance_kind.basis_steps(self.shape, self._spectrum)
         basis.columns.setflags(write=False)
         self._mean = (self._masses @ basis.columns) / self._masses.sum()
         self._basis = basis
 
     @cached_property
     def _masses(self) -> Floats:
-        return masses_of(self.mesh) if self._spectrum is None else self._spectrum.masses
+        return masses_of(self.shape) if self._spectrum is None else self._spectrum.masses
 
     @cached_property
     def _form(self) -> QuadraticForm | None:
-        return self.distance_kind.form(self.mesh)
+        return self.distance_kind.form(self.shape)
 
     @property
     def basis(self) -> Floats:
@@ -104,5 +104,5 @@ class EmbeddedBoundary:
 
     def boundary_squares(self) -> Floats:
         """D (n, n), squared distances between the vertices: given, or else of the embedding."""
-        given = self.distance_kind.squares(self.mesh)
+        given = self.distance_kind.squares(self.shape)
         return squares_of(self.vertex_embedding) if given is None else given

@@ -15,8 +15,7 @@ from idviewer.core.coordinates import coordinates_of
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.embedding import EmbeddedBoundary
 from idviewer.core.equations import by_expansion, by_gram, by_squares, extent
-from idviewer.core.mesh import Mesh
-from idviewer.core.shape import as_points
+from idviewer.core.shape import Shape, as_points
 from idviewer.core.spectrum import Spectrum
 from idviewer.core.steps import finish
 
@@ -59,7 +58,7 @@ class InteriorDistance(EmbeddedBoundary):
 
     def __init__(
         self,
-        mesh: Mesh,
+        mesh: Shape,
         distance: Distance | None = None,
         coordinates: str = "mean_value",
         rtol: float = 0.0,
@@ -70,7 +69,7 @@ class InteriorDistance(EmbeddedBoundary):
             finish(self.prepare_steps())
 
     def _assign(
-        self, mesh: Mesh, distance: Distance | None, coordinates: str, rtol: float, spectrum: Spectrum | None
+        self, mesh: Shape, distance: Distance | None, coordinates: str, rtol: float, spectrum: Spectrum | None
     ) -> None:
         if not 0.0 <= rtol < 1.0:
             raise ValueError(f"rtol must lie in [0, 1), not {rtol}")
@@ -81,7 +80,11 @@ class InteriorDistance(EmbeddedBoundary):
 
     @classmethod
     def steps(
-        cls, mesh: Mesh, distance: Distance, coordinates: str = "mean_value", spectrum: Spectrum | None = None
+        cls,
+        mesh: Shape,
+        distance: Distance,
+        coordinates: str = "mean_value",
+        spectrum: Spectrum | None = None,
     ) -> Generator[float | None, None, InteriorDistance]:
         """The constructor as a generator that yields the share done, or None, every few milliseconds."""
         made = cls.__new__(cls)
@@ -105,7 +108,7 @@ class InteriorDistance(EmbeddedBoundary):
         True
         """
         if not self.shares_basis(distance):
-            return InteriorDistance(self.mesh, distance, self.coordinates.name, self.rtol, self._spectrum)
+            return InteriorDistance(self.shape, distance, self.coordinates.name, self.rtol, self._spectrum)
         other = copy(self)
         other.distance_kind = distance
         for name in ("scale", "_form", "_own_weights"):
@@ -137,7 +140,7 @@ class InteriorDistance(EmbeddedBoundary):
         Returns:
             (p, k), NaN for points outside the mesh.
         """
-        points, rtol = as_points(points, self.mesh.dimension), self.rtol if rtol is None else rtol
+        points, rtol = as_points(points, self.shape.dimension), self.rtol if rtol is None else rtol
         approximation = None if rtol == 0.0 else self._approximation(weights)
         if approximation is None:
             return (yield from self._exact_steps(points))
@@ -188,7 +191,7 @@ class InteriorDistance(EmbeddedBoundary):
             (p,), NaN where a point is outside the mesh.
         """
         if self._form is not None:
-            ends = as_points(q, self.mesh.dimension)
+            ends = as_points(q, self.shape.dimension)
             return finish(self._form_steps(p, lambda part: self.coordinates.weights(_some(ends, part))))
         return np.linalg.norm(self.embed(p) - self.embed(q), axis=1)
 
@@ -231,7 +234,7 @@ class InteriorDistance(EmbeddedBoundary):
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Which of the points (p, 3) lie inside the mesh or on it."""
-        ones = np.ones((len(self.mesh.vertices), 1))
+        ones = np.ones((len(self.shape.vertices), 1))
         return np.isfinite(finish(self.coordinates.interpolate_steps(points, ones))[:, 0])
 
     def field(self, source: ArrayLike, points: ArrayLike) -> Floats:
@@ -244,7 +247,7 @@ class InteriorDistance(EmbeddedBoundary):
         Returns:
             (p,), NaN for points outside the mesh.
         """
-        return self.distance(points, np.reshape(source, (1, self.mesh.dimension)))
+        return self.distance(points, np.reshape(source, (1, self.shape.dimension)))
 
     def potential(self, points: ArrayLike) -> Floats:
         """U(p), whose smallest value marks the barycentroid; section 7 of the paper.
@@ -283,9 +286,9 @@ class InteriorDistance(EmbeddedBoundary):
         self, points: ArrayLike, others: Callable[[slice], Floats]
     ) -> Generator[float, None, Floats]:
         """sqrt(z^T A z) where z is the weights of points (p, 3), less those of others."""
-        points, form = as_points(points, self.mesh.dimension), self._form
+        points, form = as_points(points, self.shape.dimension), self._form
         assert form is not None
-        squares, size = [], max(1, NUMBERS_AT_A_TIME // len(self.mesh.vertices))
+        squares, size = [], max(1, NUMBERS_AT_A_TIME // len(self.shape.vertices))
         for start in range(0, len(points), size):
             part = slice(start, start + size)
             differences = self.coordinates.weights(points[part]) - others(part)
@@ -298,7 +301,7 @@ class InteriorDistance(EmbeddedBoundary):
 
     def barycentroid_steps(self) -> Generator[float | None, None, Barycentroid]:
         """`barycentroid` as a generator that yields every few milliseconds."""
-        return barycentroid_steps(self.mesh, self.potential_steps)
+        return barycentroid_steps(self.shape, self.potential_steps)
 
 
 def _some(points: Floats, part: slice) -> Floats:

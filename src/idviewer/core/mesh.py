@@ -121,6 +121,11 @@ class Mesh:
         """Length of the bounding box's diagonal."""
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
+    @property
+    def facets(self) -> NDArray[np.int64]:
+        """The faces, as all shapes call the pieces of their boundaries."""
+        return self.faces
+
     @cached_property
     def edges(self) -> NDArray[np.int64]:
         """(e, 2) vertices of each edge, the lower index first, in ascending order."""

@@ -7,12 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.distances import Distance
 from idviewer.core.interior import InteriorDistance
-from idviewer.core.mesh import Mesh
+from idviewer.core.shape import Shape
 
 Floats = NDArray[np.float64]
 
 
-def interior_distance(mesh: Mesh, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
+def interior_distance(mesh: Shape, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
     """Interior distances of point pairs; for many calls on one mesh keep an `InteriorDistance`.
 
     Args:

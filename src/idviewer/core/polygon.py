@@ -200,6 +200,11 @@ class Polygon:
         """Length of the bounding box's diagonal."""
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
+    @property
+    def facets(self) -> Ints:
+        """The edges, as all shapes call the pieces of their boundaries."""
+        return self.edges
+
     @cached_property
     def edges(self) -> Ints:
         """(n, 2) each vertex and the one that follows it, the interior on the left."""

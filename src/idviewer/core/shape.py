@@ -34,12 +34,20 @@ class Shape(Protocol):
         """For titles; file name without its suffix."""
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What was repaired when it was read, one sentence each."""
+
+    @property
     def vertices(self) -> Floats:
         """(n, dimension), read-only."""
 
     @property
     def edges(self) -> Ints:
         """(e, 2) vertices of each edge of the boundary."""
+
+    @property
+    def facets(self) -> Ints:
+        """(f, dimension) vertices of each piece of the boundary: triangles in space, edges in the plane."""
 
     @property
     def bounds(self) -> Floats:

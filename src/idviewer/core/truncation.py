@@ -10,7 +10,7 @@ from idviewer.core.barycentroid import interior_samples
 from idviewer.core.distances import GPS
 from idviewer.core.distances.commute_time import CommuteTime
 from idviewer.core.interior import InteriorDistance
-from idviewer.core.mesh import Mesh
+from idviewer.core.shape import Shape
 from idviewer.core.spectrum import Spectrum
 
 
@@ -33,7 +33,7 @@ class TruncationError:
 
 
 def truncation_error(
-    mesh: Mesh, spectrum: Spectrum | None = None, pairs: int = 100, on: str = "inside", seed: int = 0
+    mesh: Shape, spectrum: Spectrum | None = None, pairs: int = 100, on: str = "inside", seed: int = 0
 ) -> TruncationError:
     """The error of `GPS` against `CommuteTime` on random pairs of points.
 

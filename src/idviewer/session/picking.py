@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Mesh
+from idviewer.core import Mesh, Shape
 from idviewer.core.rays import Ray, crossings, middle_of_first_chord
 from idviewer.session.state import Frame, Slice
 
@@ -44,19 +44,22 @@ class FramePicker:
         return min(found, key=lambda pair: pair[0])[1] if found else None
 
 
-def pick(mesh: Mesh, picker: FramePicker | None, ray: Ray, target: Target) -> Floats | None:
+def pick(shape: Shape, picker: FramePicker | None, ray: Ray, target: Target) -> Floats | None:
     """(3,) the point a click means.
 
     "slice-or-body" is the point of a slice, or of the body's near surface where no slice lies under the
     ray; "surface" is the near surface in any case; "chord" the middle of the first stretch inside.
     """
+    if not isinstance(shape, Mesh):
+        probe = picker.probe(ray) if picker is not None else None
+        return probe.point if probe is not None else None
     if target == "chord":
-        return middle_of_first_chord(mesh, ray)
+        return middle_of_first_chord(shape, ray)
     if target == "slice-or-body" and picker is not None:
         probe = picker.probe(ray)
         if probe is not None:
             return probe.point
-    met = crossings(mesh, ray)
+    met = crossings(shape, ray)
     return met.points[0] if len(met.points) else None
 
 

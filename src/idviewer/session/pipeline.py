@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, InteriorDistance, Mesh, Spectrum, read_mesh
+from idviewer.core import Distance, InteriorDistance, Shape, Spectrum, read_mesh
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.session.framing import Framing
@@ -41,7 +41,7 @@ class Pipeline:
 
     def __init__(self) -> None:
         self._prepared: Prepared | None = None
-        self._preparing: tuple[Mesh, Hashable, Generator[Progress, None, Prepared]] | None = None
+        self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
 
     def results(self, request: Request) -> Results:
@@ -69,21 +69,21 @@ class Pipeline:
     def _frames(self, request: FrameRequest) -> Results:
         distance = request.query.distance
         prepared = self._prepared
-        if prepared is None or prepared.mesh is not request.mesh or prepared.lacks_eigenpairs(distance):
+        if prepared is None or prepared.shape is not request.shape or prepared.lacks_eigenpairs(distance):
             prepared = yield from self._prepare(request)
         yield from _with_progress(_stage(distance), prepared.basis_steps(distance))
         framing = Framing(prepared, request.query)
         modes = len(framing.solver.spectrum.values) if distance.spectral else 0
         if self._told != (prepared, modes):
             self._told = (prepared, modes)
-            yield Ready(request.mesh, modes, prepared.barycentroid(distance).point)
+            yield Ready(request.shape, modes, prepared.barycentroid(distance).point)
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         yield from _coarse_to_fine(prepared, framing, samples)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
-        mesh, key = request.mesh, request.query.distance.basis_key
+        mesh, key = request.shape, request.query.distance.basis_key
         if self._preparing is None or self._preparing[:2] != (mesh, key):
-            known = self._prepared if self._prepared is not None and self._prepared.mesh is mesh else None
+            known = self._prepared if self._prepared is not None and self._prepared.shape is mesh else None
             self._preparing = (mesh, key, _preparation(mesh, request.query.distance, known))
         steps = self._preparing[2]
         # Not `yield from`: that would close the preparation together with this request.
@@ -131,7 +131,7 @@ def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Ge
         yield Progress(stage, share)
 
 
-def run_to_end(mesh: Mesh, query: Query) -> Frame:
+def run_to_end(mesh: Shape, query: Query) -> Frame:
     """The finest, exact frame of a query, computed in this thread.
 
     Raises:
@@ -149,7 +149,7 @@ def run_to_end(mesh: Mesh, query: Query) -> Frame:
 
 
 def _preparation(
-    mesh: Mesh, distance: Distance, known: Prepared | None
+    mesh: Shape, distance: Distance, known: Prepared | None
 ) -> Generator[Progress, None, Prepared]:
     """What the distance needs of the mesh before a first frame: all, or the eigenpairs that are not known."""
     if known is None:
@@ -174,7 +174,7 @@ def _preparation(
         yield Progress("Finding the barycentroid")
 
 
-def _eigenpairs(mesh: Mesh, distance: Distance) -> Generator[Progress, None, Spectrum]:
+def _eigenpairs(mesh: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
     yield Progress("Computing eigenpairs", 0.0)
     share = 0.0
     steps = eigenpair_steps(mesh, distance.cutoff)

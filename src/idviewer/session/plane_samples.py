@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Plane, section
+from idviewer.core import Mesh, Plane, Polygon, Section, Shape, polygon_section, section
 from idviewer.core.slice_mesh import SliceMesh, edges_of, slice_mesh, spacing_for, split
 from idviewer.session.cloud import Cloud
 from idviewer.session.middles import Middles, combined, interpolated
@@ -79,7 +79,7 @@ class PlaneSamples:
 
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
-        self.section = section(sampler.solver.mesh, plane)
+        self.section = _section(sampler.solver.shape, plane)
         shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
         self._outline_rows = combined(self.section.edges, shares, sampler.solver.basis)
         self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
@@ -235,6 +235,14 @@ class _Kept:
 
     def rows(self, keys: Ints) -> Floats:
         return self._rows[self.numbers(keys)]
+
+
+def _section(shape: Shape, plane: Plane) -> Section:
+    """What a plane cuts out of a body; of a polygon, which lies in a plane of its own, all."""
+    if isinstance(shape, Polygon):
+        return polygon_section(shape)
+    assert isinstance(shape, Mesh)
+    return section(shape, plane)
 
 
 def _key(nodes: Ints, level: int) -> Ints:

@@ -46,7 +46,8 @@ class Sampled:
     def on(self, plane: Plane) -> PlaneSamples:
         """The samples on a plane, those of the planes used last kept."""
         if plane not in self._planes:
-            finest = int(min(FACE_VISITS / len(self.solver.mesh.faces), NUMBERS / self.solver.basis.shape[1]))
+            visits = FACE_VISITS / len(self.solver.shape.facets)
+            finest = int(min(visits, NUMBERS / self.solver.basis.shape[1]))
             self._planes[plane] = PlaneSamples(self.sampler, plane, finest)
         self._planes.move_to_end(plane)
         while len(self._planes) > KEPT_PLANES:
@@ -90,7 +91,7 @@ class Prepared:
     """
 
     def __init__(self, solver: InteriorDistance, barycentroid: Barycentroid) -> None:
-        self.mesh = solver.mesh
+        self.shape = solver.shape
         self.spectrum: Spectrum | None = solver.spectrum if solver.distance_kind.spectral else None
         self._sampled = [Sampled(solver)]
         self._found: dict[Distance, Barycentroid] = {solver.distance_kind: barycentroid}
@@ -114,7 +115,7 @@ class Prepared:
         if any(one.solver.shares_basis(distance) for one in self._sampled):
             return
         if self._building is None or self._building[0] != distance.basis_key:
-            steps = InteriorDistance.steps(self.mesh, distance, spectrum=self.spectrum)
+            steps = InteriorDistance.steps(self.shape, distance, spectrum=self.spectrum)
             self._building = (distance.basis_key, steps)
         while True:
             try:

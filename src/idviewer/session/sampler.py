@@ -45,7 +45,7 @@ class Sampler:
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
         wide = solver.basis.shape[1] > WIDE
-        self.exact_always = wide or solver.mesh.dimension == 2 or len(solver.mesh.faces) <= QUICK_FACES
+        self.exact_always = wide or solver.shape.dimension == 2 or len(solver.shape.facets) <= QUICK_FACES
         self.ready = self.exact_always
         self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
@@ -89,7 +89,7 @@ class Sampler:
             yield share
 
     def _prepare(self) -> Generator[float, None, None]:
-        point, tolerances = self.solver.mesh.vertices[:1], (LOOSEST, FINE, FINEST)
+        point, tolerances = self.solver.shape.vertices[:1], (LOOSEST, FINE, FINEST)
         for done, rtol in enumerate(tolerances):
             for share in self.sample_steps(point, rtol):
                 yield (done + min(share, 1.0)) / len(tolerances)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from idviewer.core import Diffusion, Mesh, Plane
+from idviewer.core import Diffusion, Plane, Shape
 from idviewer.core.distances import missing, with_defaults
 from idviewer.core.plane import AXES
 from idviewer.core.rays import Ray
@@ -76,7 +76,7 @@ class Session:
         self._opening = OpenRequest(Path(path), component)
         self._start(self._opening)
 
-    def show(self, mesh: Mesh) -> None:
+    def show(self, mesh: Shape) -> None:
         """Show a mesh that is in memory; planes, source and the distance's parameters become the defaults."""
         self._opening = None
         self._show(mesh, None)
@@ -95,10 +95,10 @@ class Session:
 
     def click(self, ray: Ray, target: Target = "slice-or-body") -> None:
         """Set the source where the ray meets a slice or the body; nothing happens where it misses."""
-        if self.state.mesh is None:
+        if self.state.shape is None:
             return
         self.acted.emit("click", {"ray": ray, "target": target})
-        point = pick(self.state.mesh, self._picker, ray, target)
+        point = pick(self.state.shape, self._picker, ray, target)
         if point is not None:
             x, y, z = point.tolist()
             self._change(self.state.with_(source=(x, y, z)))
@@ -128,7 +128,7 @@ class Session:
         self._closed = True
         self._runner.close()
 
-    def _show(self, mesh: Mesh, path: Path | None) -> None:
+    def _show(self, mesh: Shape, path: Path | None) -> None:
         self.frame = self.ready = self._picker = None
         self._cancelled = False
         # A plane, a source and a diffusion time mean nothing on another mesh.
@@ -145,13 +145,13 @@ class Session:
         if old == new:
             return
         self.changed.emit(old, new)
-        if (old.mesh, old.query) != (new.mesh, new.query) and not self._cancelled:
+        if (old.shape, old.query) != (new.shape, new.query) and not self._cancelled:
             self._compute()
 
     def _compute(self) -> None:
         # While a mesh is being read, its request must not be replaced; afterwards the state is computed.
-        if self.state.mesh is not None and self._opening is None:
-            self._asked = FrameRequest(self.state.mesh, self.state.query)
+        if self.state.shape is not None and self._opening is None:
+            self._asked = FrameRequest(self.state.shape, self.state.query)
             self._start(self._asked)
 
     def _start(self, request: Request) -> None:
@@ -167,7 +167,7 @@ class Session:
                 self.progressed.emit(result)
             case Opened():
                 self._opening = None
-                self._show(result.mesh, result.path)
+                self._show(result.shape, result.path)
             case Ready():
                 self._accept_ready(result)
             case Frame():
@@ -183,12 +183,14 @@ class Session:
             return request is self._opening
         # A frame of an older query is still wanted: it is all there is to see during a fast drag.
         return (
-            isinstance(request, FrameRequest) and request.mesh is self.state.mesh and self._asked is not None
+            isinstance(request, FrameRequest)
+            and request.shape is self.state.shape
+            and self._asked is not None
         )
 
     def _accept_ready(self, ready: Ready) -> None:
         self.ready = ready
-        mesh = ready.mesh
+        mesh = ready.shape
         self.readied.emit(ready)
         if self.state.query.planes == (default_plane(mesh),):
             # Where the user has not chosen a plane, show the one through the shape's centre.
@@ -206,7 +208,7 @@ class Session:
             self._asked = None
             self._finish()
             self.failed.emit(error)
-            if self.state.mesh is not None and not self._cancelled and not self._complete():
+            if self.state.shape is not None and not self._cancelled and not self._complete():
                 self._compute()
         elif request is self._asked:
             self._asked = None
@@ -227,7 +229,7 @@ class Session:
         self.progressed.emit(None)
 
 
-def default_plane(mesh: Mesh) -> Plane:
+def default_plane(mesh: Shape) -> Plane:
     """The plane through the middle of the bounding box, across its shortest side: the broadest view.
 
     Its normal points to where shapes are looked at from: -y is the front of one that stands on z.

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Diffusion, Distance, Mesh, Plane
+from idviewer.core import Diffusion, Distance, Plane, Shape
 
 Quantity = Literal["distance", "potential"]
 Point = tuple[float, float, float]
@@ -66,7 +66,7 @@ class Display:
 class State:
     """A mesh (None before the first one is open), a query and a display."""
 
-    mesh: Mesh | None = None
+    shape: Shape | None = None
     query: Query = field(default_factory=Query)
     display: Display = field(default_factory=Display)
 
@@ -108,7 +108,7 @@ class Frame:
     """A computed picture that describes itself; the view draws what the frame says.
 
     Attributes:
-        mesh: the mesh it belongs to.
+        shape: the shape it belongs to.
         query: the query it answers.
         slices: one for each plane of the query.
         level: 0 for the coarsest; a finer level adds samples.
@@ -124,7 +124,7 @@ class Frame:
             while no eigenpairs are there.
     """
 
-    mesh: Mesh
+    shape: Shape
     query: Query
     slices: tuple[Slice, ...]
     level: int
@@ -149,7 +149,7 @@ class Progress:
 class Opened:
     """A mesh was read from path."""
 
-    mesh: Mesh
+    shape: Shape
     path: Path
 
 
@@ -157,7 +157,7 @@ class Opened:
 class Ready:
     """The embedding of mesh is there: its number of modes (0 without eigenpairs) and a barycentroid."""
 
-    mesh: Mesh
+    shape: Shape
     modes: int
     barycentroid: NDArray[np.float64]
 
@@ -186,7 +186,7 @@ class OpenRequest:
 class FrameRequest:
     """Compute frames of a mesh, coarse to fine."""
 
-    mesh: Mesh
+    shape: Shape
     query: Query
 
 

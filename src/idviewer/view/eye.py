@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from pyvistaqt import QtInteractor
 
-from idviewer.core import Mesh, Plane
+from idviewer.core import Plane, Shape
 from idviewer.view import camera
 from idviewer.view.camera import Pose, Projection
 from idviewer.view.images import default_camera
@@ -55,22 +55,22 @@ class Eye:
         renderer.ResetCameraClippingRange()
         self._request_draw()
 
-    def reset(self, mesh: Mesh, plane: Plane | None) -> None:
+    def reset(self, mesh: Shape, plane: Plane | None) -> None:
         """Shows a whole shape from the side where it begins."""
         position, focal, up = default_camera(mesh, plane, self._aspect)
         self._pole = camera.nearest_axis(up)
         self._stand_beside_bar(Pose(np.array(position), np.array(focal), np.array(up)))
 
-    def next_up(self, mesh: Mesh) -> None:
+    def next_up(self, mesh: Shape) -> None:
         """Has another axis point upwards; files do not say which one is meant to."""
         self._pole = np.roll(np.abs(self._pole), 1)
         self.look_along(mesh, -self.pose.axes[2])
 
-    def look_from(self, mesh: Mesh, view: camera.View) -> None:
+    def look_from(self, mesh: Shape, view: camera.View) -> None:
         """Shows a whole shape from an axis."""
         self.look_along(mesh, camera.view_direction(view, self._pole))
 
-    def look_along(self, mesh: Mesh, direction: camera.Vector) -> None:
+    def look_along(self, mesh: Shape, direction: camera.Vector) -> None:
         """Shows a whole shape along a direction."""
         angle = np.radians(self._plotter.renderer.GetActiveCamera().GetViewAngle())
         up = camera.upright(direction, self._pole)

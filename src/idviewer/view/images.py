@@ -23,7 +23,7 @@ from idviewer.view.camera import look, rotate, unit
 from idviewer.view.scene import POINTS_PER_INCH, Scene
 
 if TYPE_CHECKING:
-    from idviewer.core import Mesh, Plane
+    from idviewer.core import Plane, Shape
     from idviewer.session.state import Frame, State
 
 Point = tuple[float, float, float]
@@ -70,11 +70,11 @@ def image(
     if min(size) < 1:
         raise ValueError(f"a picture cannot have {size[0]} x {size[1]} pixels")
     scale = _scale(size)
-    if camera is None and state.mesh is not None:
+    if camera is None and state.shape is not None:
         planes = frame.query.planes if frame is not None else state.query.planes
         free = 2 * BAR * scale if frame is not None and state.display.scale_bar else 0.0
         aspect = max(size[0] - free, 0.5 * size[0]) / size[1]
-        camera = default_camera(state.mesh, planes[0] if planes else None, aspect)
+        camera = default_camera(state.shape, planes[0] if planes else None, aspect)
     with _plotter(size, round(scale * POINTS_PER_INCH)) as plotter:
         scene = Scene(plotter)
         try:
@@ -117,7 +117,7 @@ def write_image(
 
 
 def default_camera(
-    mesh: Mesh, plane: Plane | None, aspect: float = WINDOW[0] / WINDOW[1]
+    mesh: Shape, plane: Plane | None, aspect: float = WINDOW[0] / WINDOW[1]
 ) -> tuple[Point, Point, Point]:
     """The first view: the whole body, a little obliquely from the side that the plane's normal points to.
 

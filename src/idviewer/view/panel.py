@@ -65,7 +65,7 @@ class Panel(QScrollArea):
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state; frame tells where the barycentroid is, and lambda_2."""
-        self._content.setEnabled(state.mesh is not None)
+        self._content.setEnabled(state.shape is not None)
         for group in self._groups:
             group.show_state(state, frame)
 
@@ -95,7 +95,7 @@ class SourceGroup(QGroupBox):
             source = tuple(frame.source.tolist())
         self.at_barycentroid.setEnabled(state.query.source is not None)
         if source != self._source:
-            self._source, self._size = source, state.mesh.diagonal if state.mesh is not None else 1.0
+            self._source, self._size = source, state.shape.diagonal if state.shape is not None else 1.0
             self._restore()
 
     def _restore(self) -> None:

@@ -8,7 +8,7 @@ from typing import Any, Protocol, cast
 
 from PySide6.QtWidgets import QGroupBox, QVBoxLayout
 
-from idviewer.core import DISTANCES, Distance, Mesh, parameters_of
+from idviewer.core import DISTANCES, Distance, Shape, parameters_of
 from idviewer.core.distances import File, Formula, missing
 from idviewer.session.state import Frame, State
 from idviewer.view.parameter_rows import ParameterRow, Row, choice, row_for
@@ -33,7 +33,7 @@ class DistanceGroup(QGroupBox):
         self._calls = calls
         self._distance: Distance = State().query.distance
         self._waiting: Distance | None = None
-        self._mesh: Mesh | None = None
+        self._mesh: Shape | None = None
         self._lambda_2: float | None = None
         self._last: dict[str, Distance] = {}
         self.kind = choice((name, kind.title) for name, kind in DISTANCES.items())
@@ -50,8 +50,8 @@ class DistanceGroup(QGroupBox):
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state; frame tells the first eigenvalue, by which parameters are measured."""
-        if state.mesh is not self._mesh:
-            self._mesh = state.mesh
+        if state.shape is not self._mesh:
+            self._mesh = state.shape
             self._last.clear()
             self._waiting = None
         if state.query.distance != self._distance:
@@ -60,7 +60,7 @@ class DistanceGroup(QGroupBox):
         # What may fail is worth coming back to only once it was seen to work.
         if not _may_fail(distance) or (frame is not None and frame.query.distance == distance):
             self._last[distance.name] = distance
-        self._lambda_2 = frame.lambda_2 if frame is not None and frame.mesh is state.mesh else None
+        self._lambda_2 = frame.lambda_2 if frame is not None and frame.shape is state.shape else None
         self._show(self._waiting or distance)
 
     def _show(self, distance: Distance) -> None:

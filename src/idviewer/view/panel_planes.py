@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
     QSlider,
 )
 
-from idviewer.core import Mesh, Plane
+from idviewer.core import Plane, Shape
 from idviewer.core.plane import AXES
 from idviewer.session.state import Frame, State
 
@@ -42,20 +42,20 @@ def axis_of(plane: Plane) -> str | None:
     return next(aligned, None)
 
 
-def extent(mesh: Mesh, plane: Plane) -> tuple[float, float]:
+def extent(mesh: Shape, plane: Plane) -> tuple[float, float]:
     """The shape's lowest and highest point over the plane, measured along its normal."""
     heights = plane.height(mesh.vertices)
     return float(heights.min()), float(heights.max())
 
 
-def turned(mesh: Mesh, plane: Plane, normal: tuple[float, float, float]) -> Plane:
+def turned(mesh: Shape, plane: Plane, normal: tuple[float, float, float]) -> Plane:
     """The plane with another normal through its origin, or through the middle if that misses the shape."""
     new = Plane(plane.origin, normal)
     low, high = extent(mesh, new)
     return new if low < 0 < high else new.moved((low + high) / 2)
 
 
-def another(mesh: Mesh, planes: tuple[Plane, ...]) -> Plane:
+def another(mesh: Shape, planes: tuple[Plane, ...]) -> Plane:
     """A plane through the middle, on the axis that the planes so far are least aligned with."""
     taken = np.sum([np.abs(plane.normal) for plane in planes], axis=0) if planes else np.zeros(3)
     return Plane.along("xyz"[int(np.argmin(taken))], 0.5, mesh.bounds)
@@ -90,7 +90,7 @@ class PlanesGroup(QGroupBox):
         self._state = State()
         self._source: NDArray[np.float64] | None = None
         self._range = (0.0, 0.0)
-        self._ranged: tuple[Mesh | None, tuple[float, ...] | None] = (None, None)
+        self._ranged: tuple[Shape | None, tuple[float, ...] | None] = (None, None)
         self.list, self.add, self.remove = QComboBox(), QPushButton("Add"), QPushButton("Remove")
         self.axes = {axis: QPushButton(axis.upper()) for axis in AXES}
         self.slider, self.fraction = QSlider(Qt.Orientation.Horizontal), QDoubleSpinBox()
@@ -147,7 +147,7 @@ class PlanesGroup(QGroupBox):
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state without calling anything."""
-        self._source = frame.source if frame is not None and frame.mesh is state.mesh else None
+        self._source = frame.source if frame is not None and frame.shape is state.shape else None
         if state is self._state:
             return  # only another frame of it
         self._state = state
@@ -177,13 +177,13 @@ class PlanesGroup(QGroupBox):
         with QSignalBlocker(self.fraction):
             self.fraction.setValue(share)
         if not self.pose.isModified():
-            assert self._state.mesh is not None
-            self.pose.setText(written(plane, self._state.mesh.diagonal))
+            assert self._state.shape is not None
+            self.pose.setText(written(plane, self._state.shape.diagonal))
             self.pose.setCursorPosition(0)
 
     def _extent(self, plane: Plane) -> tuple[float, float]:
         """`extent`, computed once for each normal: a push asks for it at every move of the mouse."""
-        mesh = self._state.mesh
+        mesh = self._state.shape
         assert mesh is not None
         if self._ranged[0] is not mesh or self._ranged[1] != plane.normal:
             low, high = extent(mesh, plane)
@@ -208,7 +208,7 @@ class PlanesGroup(QGroupBox):
 
     def drag_to(self, plane: Plane) -> None:
         """Where the handle was dragged, but never so far that it loses the shape."""
-        mesh = self._state.mesh
+        mesh = self._state.shape
         if mesh is None:
             return
         inside = np.clip(plane.origin, *mesh.bounds)
@@ -230,8 +230,8 @@ class PlanesGroup(QGroupBox):
 
     def turn_to(self, axis: str) -> None:
         """The normal to an axis."""
-        if self._state.mesh is not None and self.plane is not None:
-            self.replace(turned(self._state.mesh, self.plane, AXES[axis]))
+        if self._state.shape is not None and self.plane is not None:
+            self.replace(turned(self._state.shape, self.plane, AXES[axis]))
 
     def go_through_source(self) -> None:
         """The plane's origin to the source."""
@@ -241,7 +241,7 @@ class PlanesGroup(QGroupBox):
 
     def add_plane(self) -> None:
         """One more, which becomes the active one."""
-        mesh, planes = self._state.mesh, self._state.query.planes
+        mesh, planes = self._state.shape, self._state.query.planes
         if mesh is not None:
             self._calls.set(planes=(*planes, another(mesh, planes)), active_plane=len(planes))
 
@@ -252,11 +252,11 @@ class PlanesGroup(QGroupBox):
         self._calls.set(planes=rest, active_plane=max(0, min(active, len(rest) - 1)))
 
     def _typed(self) -> None:
-        if not self.pose.isModified() or self._state.mesh is None:
+        if not self.pose.isModified() or self._state.shape is None:
             return
         self.pose.setModified(False)
         try:
-            self.replace(Plane.parse(self.pose.text(), self._state.mesh.bounds))
+            self.replace(Plane.parse(self.pose.text(), self._state.shape.bounds))
         except ValueError as error:
             self._calls.complain(str(error))
         if self.plane is not None:

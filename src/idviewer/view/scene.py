@@ -16,7 +16,7 @@ from idviewer.view.scale_bar import ScaleBar
 from idviewer.view.slice_actor import SliceActor
 
 if TYPE_CHECKING:
-    from idviewer.core import Mesh
+    from idviewer.core import Mesh, Shape
     from idviewer.session.state import Frame, State
 
 BOTTOM, TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
@@ -35,7 +35,7 @@ class Scene:
     def __init__(self, plotter: pv.BasePlotter) -> None:
         renderer: vtkRenderer = plotter.renderer
         self._renderer: vtkRenderer | None = renderer
-        self._mesh: Mesh | None = None
+        self._shape: Shape | None = None
         self._display = Display()
         self._frame: Frame | None = None
         self._dpi = 0.0
@@ -59,8 +59,8 @@ class Scene:
         """Shows the state's body, in the way its display says; what is shown already costs nothing."""
         if self._renderer is None:
             return
-        if state.mesh is not self._mesh:
-            self._show_mesh(state.mesh)
+        if state.shape is not self._shape:
+            self._show_shape(state.shape)
         if state.display != self._display or self._window_dpi() != self._dpi:
             if state.display.colormap != self._display.colormap:
                 self._table.DeepCopy(lookup_table(state.display.colormap))
@@ -91,16 +91,16 @@ class Scene:
             return
         for prop in self._props:
             self._renderer.RemoveViewProp(prop)
-        self._renderer = self._mesh = self._frame = None
+        self._renderer = self._shape = self._frame = None
         self._props = ()
         self._slices.clear()
 
-    def _show_mesh(self, mesh: Mesh | None) -> None:
-        self._mesh = mesh
-        if mesh is not None:
-            self._place = Place(mesh.bounds)
-        self._body.show_mesh(mesh, self._place)
-        if self._frame is not None and self._frame.mesh is not mesh:
+    def _show_shape(self, shape: Shape | None) -> None:
+        self._shape = shape
+        if shape is not None:
+            self._place = Place(shape.bounds)
+        self._body.show_mesh(shape if isinstance(shape, Mesh) else None, self._place)
+        if self._frame is not None and self._frame.shape is not shape:
             self.show_frame(None)
 
     def _apply_display(self) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QStatusBar, QWidget
 
-from idviewer.core import Mesh
+from idviewer.core import Shape
 from idviewer.session.state import Progress, Ready
 
 PATIENCE = 150
@@ -38,9 +38,12 @@ class StatusLine(QStatusBar):
             self.addPermanentWidget(widget)
         self._show_work(False)
 
-    def show_mesh(self, mesh: Mesh | None) -> None:
-        """Numbers of vertices and faces; the modes are not known yet."""
-        self.sizes.setText(f"{len(mesh.vertices):,} vertices, {len(mesh.faces):,} faces" if mesh else "")
+    def show_shape(self, shape: Shape | None) -> None:
+        """Numbers of vertices and of faces or edges; the modes are not known yet."""
+        facets = (
+            "" if shape is None else f"{len(shape.facets):,} {'faces' if shape.dimension == 3 else 'edges'}"
+        )
+        self.sizes.setText("" if shape is None else f"{len(shape.vertices):,} vertices, {facets}")
         self.modes.clear()
 
     def show_ready(self, ready: Ready) -> None:

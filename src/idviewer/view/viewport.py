@@ -84,7 +84,7 @@ class Viewport(QWidget):
 
     def show_state(self, state: State) -> None:
         """Shows the state's body, markers and handle."""
-        new_mesh = state.mesh is not self._state.mesh
+        new_mesh = state.shape is not self._state.shape
         self._state = state
         self._scene.show(state)
         self._eye.beside_bar = state.display.scale_bar
@@ -149,30 +149,30 @@ class Viewport(QWidget):
 
     def reset_view(self) -> None:
         """Shows the whole shape from the side where it begins."""
-        if self._state.mesh is not None:
-            self._eye.reset(self._state.mesh, self._plane)
+        if self._state.shape is not None:
+            self._eye.reset(self._state.shape, self._plane)
 
     def look_from(self, view: View) -> None:
         """Shows the whole shape from an axis."""
-        if self._state.mesh is not None:
-            self._eye.look_from(self._state.mesh, view)
+        if self._state.shape is not None:
+            self._eye.look_from(self._state.shape, view)
 
     def turn_upright(self) -> None:
         """Has another axis point upwards."""
-        if self._state.mesh is not None:
-            self._eye.next_up(self._state.mesh)
+        if self._state.shape is not None:
+            self._eye.next_up(self._state.shape)
 
     def look_at_plane(self) -> None:
         """Shows the active plane face on, from the side that its normal points to."""
-        if self._state.mesh is not None and self._plane is not None:
-            self._eye.look_along(self._state.mesh, -np.array(self._plane.normal))
+        if self._state.shape is not None and self._plane is not None:
+            self._eye.look_along(self._state.shape, -np.array(self._plane.normal))
 
     # The handle
 
     @property
     def _plane(self) -> Plane | None:
         planes, active = self._state.query.planes, self._state.display.active_plane
-        return planes[active] if self._state.mesh is not None and active < len(planes) else None
+        return planes[active] if self._state.shape is not None and active < len(planes) else None
 
     @property
     def handle(self) -> Handle | None:
@@ -237,10 +237,10 @@ class Viewport(QWidget):
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802
         """Zooms towards what is under the mouse."""
-        if self._state.mesh is None:
+        if self._state.shape is None:
             return
         at = event.position()
-        self._eye.zoom(event.angleDelta().y() / 120, at.x(), at.y(), self._state.mesh.diagonal)
+        self._eye.zoom(event.angleDelta().y() / 120, at.x(), at.y(), self._state.shape.diagonal)
 
     def enterEvent(self, event: QEnterEvent) -> None:  # noqa: N802
         """The mouse comes in."""

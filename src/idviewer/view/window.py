@@ -12,7 +12,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
-from idviewer.core import DistanceError, Mesh, MeshError
+from idviewer.core import DistanceError, MeshError, Shape
 from idviewer.core.rays import Ray
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.session.session import Session
@@ -119,8 +119,8 @@ class MainWindow(QMainWindow):
     # What the session says
 
     def _on_changed(self, old: State, new: State) -> None:
-        if new.mesh is not old.mesh:
-            self.status.show_mesh(new.mesh)
+        if new.shape is not old.shape:
+            self.status.show_shape(new.shape)
             self._show_probe(None)
             self.viewport.show_frame(self.session.frame)
         self.viewport.show_state(new)
@@ -147,7 +147,7 @@ class MainWindow(QMainWindow):
     def _on_progressed(self, progress: Progress | None) -> None:
         self.status.show_progress(progress)
 
-    def _on_opened(self, mesh: Mesh, path: Path | None) -> None:
+    def _on_opened(self, mesh: Shape, path: Path | None) -> None:
         self.setWindowTitle(f"{path.name if path else mesh.name} — idviewer")
         if path is not None:
             self._folder = str(path.parent)
@@ -182,7 +182,7 @@ class MainWindow(QMainWindow):
 
     def ask_for_picture(self) -> None:
         """Shows the picture dialog."""
-        mesh = self.session.state.mesh
+        mesh = self.session.state.shape
         if mesh is None:
             return
         shown = self.viewport.size() * self.viewport.devicePixelRatioF()
@@ -218,7 +218,7 @@ class MainWindow(QMainWindow):
             return
         self.session.cancel()
         state, frame = self.session.state, self.session.frame
-        if state.mesh is not None and (frame is None or not frame.exact or frame.query != state.query):
+        if state.shape is not None and (frame is None or not frame.exact or frame.query != state.query):
             self.status.show_stopped()
 
     def _switch_quantity(self) -> None:
@@ -229,7 +229,7 @@ class MainWindow(QMainWindow):
         probe = self.session.probe(ray) if ray is not None else None
         frame = self.session.frame
         if probe is None or probe.value is None or frame is None:
-            self.status.show_probe(HINT if self.session.state.mesh is not None else EMPTY_HINT)
+            self.status.show_probe(HINT if self.session.state.shape is not None else EMPTY_HINT)
             return
         point = np.asarray(probe.point)
         place = ", ".join(f"{value:.4g}" for value in point)
