@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 
 import numpy as np
+from scipy import sparse
 
 from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
@@ -16,6 +17,7 @@ from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.mesh import Mesh
 from idviewer.core.polygon import Polygon
 from idviewer.core.steps import finish
+from idviewer.core.symmetric_factor import SymmetricFactor
 
 
 def compile_steps() -> Generator[float, None, None]:
@@ -41,6 +43,7 @@ def compile_steps() -> Generator[float, None, None]:
         ),
         lambda: mean_value_on(Polygon(corners[:3, :2])).weights(np.full((1, 2), 0.2)),
         lambda: MaximumEntropyCoordinates(spindle).weights(np.full((1, 3), 0.1)),
+        lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]

@@ -10,14 +10,15 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.linalg import SuperLU, splu
 
 from idviewer.core._polygon_spectrum import low_pairs
+from idviewer.core.block_lanczos import BLOCK, BlockLanczos
 from idviewer.core.laplacian import laplacian_of, masses_of
 from idviewer.core.mesh import MeshError
 from idviewer.core.polygon import Polygon, PolygonError
 from idviewer.core.shape import Shape, ShapeError
 from idviewer.core.steps import finish
+from idviewer.core.symmetric_factor import SymmetricFactor
 
 Floats = NDArray[np.float64]
 Steps = Generator[float | None, None, "Spectrum"]
@@ -31,13 +32,10 @@ DENSE = 700
 DENSE_POLYGON = 250
 """Polygons of up to so many vertices likewise; above, iterating for the lowest twenty modes is faster."""
 
-BLOCK = 6
-"""Vectors at a time. Symmetry makes at most five eigenvalues of a body equal (the largest irreducible
-representation of a finite point group, the icosahedron's), and a block finds as many copies as it is wide."""
-
 RESIDUAL = 1e-6
-FAR_GROWTH, NEAR_GROWTH = 0.3, 0.1
-"""Growth of the basis after which it is looked at again: long before the expected end, and near it."""
+FIRST_BLOCKS = 4
+VECTORS_OF_A_MODE = 2.3
+"""Fewer vectors in the basis for each mode have not been seen to suffice."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,12 +124,14 @@ def _polygon_steps(polygon: Polygon, masses: Floats, cutoff: Callable[[float], f
 def _krylov_steps(shape: Shape, masses: Floats, cutoff: Callable[[float], float]) -> Steps:
     """The kept pairs of a large shape, by block Lanczos."""
     weyl = _Weyl(shape.dimension, float(masses.sum()))
-    krylov = _BlockKrylov(_factor(laplacian_of(shape), weyl.shift * masses), np.sqrt(masses), weyl.shift)
+    roots = np.sqrt(masses)
+    over = sparse.diags_array(1.0 / roots)
+    shifted = over @ laplacian_of(shape) @ over + weyl.shift * sparse.eye_array(len(masses))
+    krylov = BlockLanczos(SymmetricFactor(sparse.csc_array(shifted), shape.vertices), weyl.shift, roots)
     yield 0.05
     expected = math.inf
     while True:
-        growth = FAR_GROWTH if krylov.size < 2.5 * expected else NEAR_GROWTH
-        for _ in range(min(krylov.room, max(2, round(growth * krylov.size / BLOCK)))):
+        for _ in range(min(krylov.room, _blocks_to_add(krylov.size, expected))):
             yield from krylov.expand()
         values, coefficients, residuals = krylov.ritz_pairs()
         bound = cutoff(values[0])
@@ -139,12 +139,21 @@ def _krylov_steps(shape: Shape, masses: Floats, cutoff: Callable[[float], float]
         # One converged value beyond the bound shows that none below it is still to come.
         if kept < len(values) and residuals[: kept + 1].max() < RESIDUAL:
             break
-        expected = weyl.modes(bound)
+        expected = max(weyl.modes(bound), kept)  # which never counts too many: Ritz values come from above
         if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
             raise _too_many(shape, expected)
-        yield min(0.95, 0.05 + 0.9 * krylov.size / (2.6 * expected + 10 * BLOCK))
+        yield min(0.95, 0.05 + 0.9 * krylov.size / (3.0 * expected + 4 * BLOCK))
     vectors = krylov.vectors(coefficients[:, :kept])
+    vectors /= roots[:, None]
     return Spectrum(values[:kept], vectors, masses, float(residuals[:kept].max()), bound)
+
+
+def _blocks_to_add(size: int, expected: float) -> int:
+    """How far a Krylov space is to grow until it is looked at again, which costs as much as a block."""
+    if size == 0:
+        return FIRST_BLOCKS
+    goal = max(1.15 * size, min(VECTORS_OF_A_MODE * expected, 2.0 * size))
+    return max(1, round((goal - size) / BLOCK))
 
 
 @dataclass(frozen=True)
@@ -187,77 +196,3 @@ def _all_pairs(laplacian: sparse.csc_array, masses: Floats, cutoff: Callable[[fl
     kept = int(np.searchsorted(values, bound))
     vectors = np.ascontiguousarray(vectors[:, 1:kept] / roots[:, None])
     return Spectrum(values[1:kept], vectors, masses, 0.0, bound if kept < len(values) else math.inf)
-
-
-def _factor(laplacian: sparse.csc_array, diagonal: Floats) -> SuperLU:
-    matrix = sparse.csc_array(laplacian + sparse.diags_array(diagonal))
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-
-
-class _BlockKrylov:
-    """Block Lanczos with full reorthogonalisation on C = M^1/2 (L + shift M)^-1 M^1/2.
-
-    The constant mode is the first basis vector and so is deflated. Blocks find equal eigenvalues, which
-    symmetric shapes have; a second pass of Gram-Schmidt keeps the basis orthonormal to rounding.
-    """
-
-    def __init__(self, factor: SuperLU, roots: Floats, shift: float) -> None:
-        n = len(roots)
-        self._factor, self._roots, self._shift = factor, roots, shift
-        self._basis = np.empty((n, 1 + 32 * BLOCK), order="F")
-        self._projected = np.zeros((1 + 32 * BLOCK, 1 + 32 * BLOCK))
-        self._basis[:, 0] = roots / np.linalg.norm(roots)
-        start = np.random.default_rng(0).standard_normal((n, BLOCK))
-        start -= self._basis[:, :1] @ (self._basis[:, :1].T @ start)
-        self._block = np.linalg.qr(start)[0]
-        self._coupling = np.zeros((BLOCK, BLOCK))
-        self.size = 1
-
-    @property
-    def room(self) -> int:
-        """How many blocks the space can still hold."""
-        return max(0, (len(self._roots) - self.size) // BLOCK - 1)
-
-    def expand(self) -> Generator[None, None, None]:
-        """Add one block to the basis."""
-        old, new = self.size, self.size + BLOCK
-        self._grow(new)
-        self._basis[:, old:new] = self._block
-        image = np.empty_like(self._block, order="F")
-        for column in range(BLOCK):
-            image[:, column] = self._roots * self._factor.solve(self._roots * self._block[:, column])
-            yield
-        local = self._basis[:, max(old - BLOCK, 1) : new]  # all that exact arithmetic would need
-        coefficients = local.T @ image
-        image -= local @ coefficients
-        yield
-        everything = self._basis[:, :new]
-        image -= everything @ (everything.T @ image)
-        self._projected[max(old - BLOCK, 1) : new, old:new] = coefficients
-        self._projected[old:new, max(old - BLOCK, 1) : new] = coefficients.T
-        self._block, self._coupling = np.linalg.qr(image)
-        self.size = new
-        yield
-
-    def _grow(self, size: int) -> None:
-        if size > self._basis.shape[1]:
-            wider = np.empty((len(self._roots), 2 * size), order="F")
-            wider[:, : self.size] = self._basis[:, : self.size]
-            self._basis = wider
-        if size > len(self._projected):
-            wider = np.zeros((2 * size, 2 * size))
-            wider[: self.size, : self.size] = self._projected[: self.size, : self.size]
-            self._projected = wider
-
-    def ritz_pairs(self) -> tuple[Floats, Floats, Floats]:
-        """Approximate eigenvalues (ascending), their coefficients in the basis and their residuals."""
-        projected = self._projected[1 : self.size, 1 : self.size]
-        thetas, coefficients = np.linalg.eigh(0.5 * (projected + projected.T))
-        thetas, coefficients = thetas[::-1], coefficients[:, ::-1]
-        residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:], axis=0) / np.abs(thetas)
-        positive = thetas > 0.0
-        return 1.0 / thetas[positive] - self._shift, coefficients[:, positive], residuals[positive]
-
-    def vectors(self, coefficients: Floats) -> Floats:
-        """Eigenvectors, normalised in the M-norm."""
-        return np.ascontiguousarray(self._basis[:, 1 : self.size] @ coefficients / self._roots[:, None])
