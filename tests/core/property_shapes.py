@@ -43,7 +43,7 @@ EXACT = ("diffusion", "filter", "gps", "biharmonic", "commute", "euclidean", "ma
 
 @cache
 def shape(name: str) -> Body:
-    if name in BUNDLED:
+    if not name.startswith("random"):
         return read_shape(sample_path(name))
     rng = np.random.default_rng(len(name))
     if name == "random mesh":
@@ -149,15 +149,15 @@ def boundary_squares(name: str, body: Body) -> np.ndarray:
     return apart(vectors * factors[name])
 
 
-def full_rank(body: Body, name: str) -> InteriorDistance:
+def full_rank(body: Body, name: str, coordinates: str) -> InteriorDistance:
     """A solver whose Gram matrix is conditionally positive definite: all modes are kept.
 
     Diffusion gets a short time, so that the last mode keeps a weight of exp(-5).
     """
-    values, vectors = dense_modes(body)
     if name == "commute":
-        return InteriorDistance(body, CommuteTime())
-    return InteriorDistance(body, GivenEmbedding(vectors * np.exp(-5.0 * values / values[-1])))
+        return solver_of("commute", body, coordinates)
+    values, vectors = dense_modes(body)
+    return InteriorDistance(body, GivenEmbedding(vectors * np.exp(-5.0 * values / values[-1])), coordinates)
 
 
 def stretch(solver: InteriorDistance) -> float:
@@ -170,4 +170,4 @@ def stretch(solver: InteriorDistance) -> float:
     rows = solver.vertex_embedding - solver.vertex_embedding.mean(axis=0)
     smallest = np.linalg.eigvalsh(rows @ rows.T)[1]
     vertices = solver.shape.vertices - solver.shape.vertices.mean(axis=0)
-    return float(np.sqrt(smallest) / np.linalg.norm(vertices, 2))
+    return float(np.sqrt(max(smallest, 0.0)) / np.linalg.norm(vertices, 2))
