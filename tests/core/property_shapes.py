@@ -49,7 +49,7 @@ def shape(name: str) -> Body:
     if name == "random mesh":
         vertices, faces = shapes.icosphere(2)
         waves = np.cos(vertices @ rng.normal(scale=2.0, size=(3, 8)) + rng.uniform(0, 6, 8))
-        return Mesh(vertices * (1.0 + 0.15 * waves @ rng.uniform(-1, 1, 8))[:, None], faces)
+        return Mesh(vertices * (1.0 + 0.25 * waves @ rng.uniform(-1, 1, 8))[:, None], faces)
     if name == "random ring":
         vertices, faces = shapes.torus(16, 8)
         return Mesh(vertices @ (np.eye(3) + 0.3 * rng.uniform(-1, 1, (3, 3))), faces)

@@ -15,7 +15,7 @@ from idviewer.core.coordinates import coordinates_of
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.embedding import EmbeddedBoundary
 from idviewer.core.equations import by_expansion, by_form_steps, by_gram, by_squares, extent
-from idviewer.core.shape import Shape, as_points
+from idviewer.core.shape import Shape, as_pairs, as_points
 from idviewer.core.spectrum import Spectrum
 from idviewer.core.steps import finish
 
@@ -98,9 +98,6 @@ class InteriorDistance(EmbeddedBoundary):
         Distances with the same basis (all spectral ones) differ in the scale alone, so samples taken for
         one serve the others. Eigenpairs that are there are used again, also where a shorter diffusion time
         asks for more of them: the description then says what is missing.
-
-        Args:
-            distance: the boundary distance of the result.
 
         >>> from idviewer.core import Biharmonic, read_mesh, sample_path
         >>> solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
@@ -189,12 +186,13 @@ class InteriorDistance(EmbeddedBoundary):
         Returns:
             (p,), NaN where a point is outside the shape.
         """
+        first, second = as_pairs(p, q, self.shape.dimension)
         if self._form is not None:
             # The distance is symmetric: go through the longer list in portions, the other may be one point.
-            few, many = sorted((as_points(one, self.shape.dimension) for one in (p, q)), key=len)
+            few, many = sorted((first, second), key=len)
             ends = (lambda part: few) if len(few) == 1 else (lambda part: few[part])
             return finish(self._form_steps(many, lambda part: self.coordinates.weights(ends(part))))
-        return np.linalg.norm(self.embed(p) - self.embed(q), axis=1)
+        return np.linalg.norm(self.embed(first) - self.embed(second), axis=1)
 
     def gram_distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
         """Interior distance by eq. 2, the quadratic form of w(p) - w(q) with the Gram matrix A = Y^T Y.
@@ -207,8 +205,8 @@ class InteriorDistance(EmbeddedBoundary):
         Returns:
             (p,), NaN where a point is outside the shape.
         """
-        difference = self.coordinates.weights(p) - self.coordinates.weights(q)
-        return by_gram(difference, self.vertex_embedding)
+        first, second = map(self.coordinates.weights, as_pairs(p, q, self.shape.dimension))
+        return by_gram(first - second, self.vertex_embedding)
 
     def pairwise_distance(
         self, p: ArrayLike, q: ArrayLike, squares: Floats | None = None, expanded: bool = False
@@ -221,11 +219,10 @@ class InteriorDistance(EmbeddedBoundary):
             expanded: eq. 5, the sums written out, instead of eq. 4.
 
         Returns:
-            (p,), NaN where a point is outside the shape. Where distances do not embed, squares may be
-            negative; they count as 0.
+            (p,), NaN where a point is outside the shape, 0 where squares of what does not embed are negative.
         """
         squares = self.boundary_squares() if squares is None else squares
-        first, second = self.coordinates.weights(p), self.coordinates.weights(q)
+        first, second = map(self.coordinates.weights, as_pairs(p, q, self.shape.dimension))
         if expanded:
             first, second = np.broadcast_arrays(first, second)
             return by_expansion(first, second, squares)
@@ -246,7 +243,7 @@ class InteriorDistance(EmbeddedBoundary):
         Returns:
             (p,), NaN for points outside the shape.
         """
-        return self.distance(points, np.reshape(source, (1, self.shape.dimension)))
+        return self.distance(points, np.atleast_2d(source))
 
     def potential(self, points: ArrayLike) -> Floats:
         """U(p), whose smallest value marks the barycentroid; section 7 of the paper.
