@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from tests.core import shapes
-from tests.core.shapes import Outline
 from tests.core.test_mean_value import BODIES, winding_numbers
 
-from idviewer.core import Mesh
+from idviewer.core import Mesh, Polygon
 
-Body = Mesh | Outline
+Body = Mesh | Polygon
 
 
 def slab() -> Mesh:
@@ -26,7 +25,7 @@ SHAPES: dict[str, Body] = {
 CONCAVE = ["comb", "star", "two holes", "torus", "bumpy sphere"]
 
 
-def turns(outline: Outline, points: np.ndarray) -> np.ndarray:
+def turns(outline: Polygon, points: np.ndarray) -> np.ndarray:
     """Sum of the angles under which edges are seen, over 2 pi."""
     a, b = (outline.vertices[outline.edges[:, end]][None] - points[:, None] for end in (0, 1))
     cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
@@ -43,14 +42,9 @@ def inner_points(body: Body, rng: np.random.Generator, count: int = 40) -> np.nd
     return points[windings(body, points) > 0.5][:count]
 
 
-def elements(body: Body) -> np.ndarray:
-    """Edges of a polygon, faces of a mesh."""
-    return body.edges if body.dimension == 2 else body.faces
-
-
 def normals(body: Body) -> np.ndarray:
     """Unit vectors inward, one an element."""
-    corners = body.vertices[elements(body)]
+    corners = body.vertices[body.facets]
     if body.dimension == 2:
         side = corners[:, 1] - corners[:, 0]
         inward = np.column_stack([-side[:, 1], side[:, 0]])
@@ -61,21 +55,18 @@ def normals(body: Body) -> np.ndarray:
 
 def clearance(body: Body, points: np.ndarray) -> np.ndarray:
     """At most the distance to the boundary: the smallest one to lines or planes of its elements."""
-    first = body.vertices[elements(body)[:, 0]]
+    first = body.vertices[body.facets[:, 0]]
     return np.abs(np.einsum("pei,ei->pe", points[:, None] - first, normals(body))).min(axis=1)
 
 
 def on_elements(body: Body, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A point on each element with these shares of its vertices, and its linear weights."""
-    corners = elements(body)
+    corners = body.facets
     expected = np.zeros((len(corners), len(body.vertices)))
     np.add.at(expected, (np.arange(len(corners))[:, None], corners), shares)
     return np.einsum("c,eci->ei", shares, body.vertices[corners]), expected
 
 
-def moved(body: Body, scale: float, shift: float) -> Body:
-    if body.dimension == 3:
-        return Mesh(body.vertices * scale + shift, body.faces)
-    copy = Outline(body.vertices * scale + shift)
-    copy.edges = body.edges
-    return copy
+def with_vertices(body: Body, vertices: np.ndarray) -> Body:
+    """The same faces or loops, the vertices elsewhere."""
+    return body.with_vertices(vertices) if body.dimension == 2 else Mesh(vertices, body.faces)

@@ -1,9 +1,11 @@
-"""Small meshes for tests, as (vertices, faces) arrays: float64 (n, 3) and int64 (m, 3), wound outward."""
+"""Small shapes for tests; meshes as (vertices, faces): float64 (n, 3) and int64 (m, 3), wound outward."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from idviewer.core import Polygon
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -188,23 +190,6 @@ def flat_sheet() -> Arrays:
     return vertices, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
 
 
-class Outline:
-    """A polygon of loops of points, the outer one counter-clockwise and holes clockwise; checks nothing."""
-
-    dimension = 2
-
-    def __init__(self, *loops: NDArray[np.float64], name: str = "") -> None:
-        self.name, self.vertices = (
-            name,
-            np.concatenate([np.asarray(loop, dtype=np.float64) for loop in loops]),
-        )
-        firsts = np.cumsum([0, *(len(loop) for loop in loops)])
-        around = [first + np.arange(len(loop)) for first, loop in zip(firsts, loops, strict=False)]
-        self.edges = np.concatenate([np.column_stack([loop, np.roll(loop, -1)]) for loop in around])
-        self.bounds = np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
-        self.diagonal = float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
-
-
 def star(count: int, depth: float = 0.4, arms: int = 5, size: float = 1.0) -> NDArray[np.float64]:
     """A wavy circle of count points, counter-clockwise; depth 0 is a regular polygon."""
     angle = 2 * np.pi * np.arange(count) / count
@@ -212,17 +197,17 @@ def star(count: int, depth: float = 0.4, arms: int = 5, size: float = 1.0) -> ND
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
 
 
-def outlines() -> dict[str, Outline]:
+def outlines() -> dict[str, Polygon]:
     """Polygons convex, concave, with holes and thin."""
     box = np.array([[0.0, 0], [3, 0], [3, 2], [0, 2]])
     holes = [np.array([[0.5, 0.5], [0.5, 1.5], [1.2, 1]]), star(9, 0.3, 3, 0.4)[::-1] + np.array([2.2, 1.0])]
     comb = [[0.0, 0], [5, 0], [5, 3], [4, 3], [4, 1], [3, 1], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]]
     return {
-        "triangle": Outline(np.array([[0.0, 0], [1, 0], [0.2, 0.9]])),
-        "heptagon": Outline(star(7, 0.0)),
-        "L": Outline(np.array(L_OUTLINE)),
-        "comb": Outline(np.array(comb)),
-        "star": Outline(star(60)),
-        "two holes": Outline(box, *holes),
-        "thin": Outline(np.array([[0.0, 0], [1, 0], [2, 0], [2, 1e-3], [1.3, 1e-3], [0, 1e-3]])),
+        "triangle": Polygon([[0.0, 0], [1, 0], [0.2, 0.9]]),
+        "heptagon": Polygon(star(7, 0.0)),
+        "L": Polygon(L_OUTLINE),
+        "comb": Polygon(comb),
+        "star": Polygon(star(60)),
+        "two holes": Polygon.of_loops([box, *holes]),
+        "thin": Polygon([[0.0, 0], [1, 0], [2, 0], [2, 1e-3], [1.3, 1e-3], [0, 1e-3]]),
     }

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from tests.core.coordinate_bodies import (
@@ -12,9 +10,9 @@ from tests.core.coordinate_bodies import (
     Body,
     clearance,
     inner_points,
-    moved,
     on_elements,
     windings,
+    with_vertices,
 )
 
 from idviewer.core import COORDINATES, Coordinates, Diffusion, Euclidean, InteriorDistance, Property
@@ -141,7 +139,7 @@ def test_size_and_place_do_not_matter(name, scale, shift, shape, rng):
     body = SHAPES[shape]
     # What the move costs the input itself: a shape that is 1e6 of its sizes away has ten digits.
     rounding = np.finfo(float).eps * (1 + shift / scale)
-    there = moved(body, scale, shift)
+    there = with_vertices(body, body.vertices * scale + shift)
     points = inner_points(body, rng)
     expected = coordinates_of(body, name).weights(points)
     deep = clearance(body, points) > 1e-3 * body.diagonal
@@ -157,19 +155,11 @@ def test_rigid_motions_leave_them_alone(name, shape, rng):
     body = SHAPES[shape]
     rotation = np.linalg.qr(rng.standard_normal((body.dimension, body.dimension)))[0]
     rotation[:, 0] *= np.linalg.det(rotation)
-    turned = moved(body, 1.0, 0.0)
-    turned = moved(SimpleNamespace(**_parts(turned, rotation)), 1.0, 0.3)
+    turned = with_vertices(body, body.vertices @ rotation + 0.3)
     points = inner_points(body, rng)
     expected = coordinates_of(body, name).weights(points)
     found = coordinates_of(turned, name).weights(points @ rotation + 0.3)
     np.testing.assert_allclose(found, expected, atol=1e-8)
-
-
-def _parts(body: Body, rotation: np.ndarray) -> dict[str, object]:
-    vertices = body.vertices @ rotation
-    if body.dimension == 2:
-        return {"dimension": 2, "vertices": vertices, "edges": body.edges}
-    return {"dimension": 3, "vertices": vertices, "faces": body.faces}
 
 
 @pytest.mark.parametrize("name", COORDINATES)
@@ -217,9 +207,7 @@ def test_interior_distances_of_a_mesh_work_with_all_of_them(name, rng):
 @pytest.mark.parametrize("name", COORDINATES)
 def test_interior_distances_of_a_polygon_work_with_all_of_them(name, rng):
     body = SHAPES["two holes"]
-    # Masses are all that the Euclidean distance asks of a spectrum.
-    spectrum = SimpleNamespace(masses=np.ones(len(body.vertices)))
-    solver = InteriorDistance(body, Euclidean(), name, rtol=1e-3, spectrum=spectrum)
+    solver = InteriorDistance(body, Euclidean(), name, rtol=1e-3)
     points = inner_points(body, rng, 20)
     expected = np.linalg.norm(points[:10] - points[10:], axis=1)
     found = solver.distance(points[:10], points[10:])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tests.core import shapes
+from tests.core.outlines import flower, with_holes
 
-from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh
+from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polygon
+from idviewer.core.distances.spectral import percentage
 from idviewer.core.equations import squares_of
 from idviewer.core.geodesics import Geodesics, landmark_steps
 from idviewer.core.scaling import double_centred, landmark_scaling_steps, scaling_steps
@@ -19,21 +20,6 @@ from idviewer.core.steps import finish
 @pytest.fixture(scope="module")
 def sphere() -> Mesh:
     return Mesh(*shapes.icosphere(3))
-
-
-def polygon(vertices: np.ndarray, wires: tuple[tuple[int, int], ...] = ()) -> SimpleNamespace:
-    """Stands for a Polygon of one loop."""
-    count = len(vertices)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    return SimpleNamespace(
-        dimension=2,
-        name="polygon",
-        vertices=vertices,
-        edges=np.stack([np.arange(count), np.roll(np.arange(count), -1)], axis=1),
-        bounds=np.stack([low, high]),
-        diagonal=float(np.linalg.norm(high - low)),
-        wires=np.array(wires, dtype=np.int64).reshape(-1, 2),
-    )
 
 
 @pytest.mark.parametrize(("method", "error"), [("exact", 0.012), ("heat", 0.04)])
@@ -64,11 +50,33 @@ def test_size_and_place_do_not_matter(method):
 
 def test_along_a_polygon_they_are_arc_lengths_and_take_wires():
     corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
-    np.testing.assert_allclose(Geodesics(polygon(corners)).from_vertex(0), [0, 3, 4, 1], rtol=1e-12)
-    wired = Geodesics(polygon(corners, wires=((0, 2),)))
-    np.testing.assert_allclose(wired.from_vertex(0), [0, 3, 10**0.5, 1], rtol=1e-12)
-    embedded = Geodesic().basis(polygon(corners), None)
-    assert embedded.shape[0] == 4
+    np.testing.assert_allclose(Geodesics(Polygon(corners)).from_vertex(0), [0, 3, 4, 1], rtol=1e-12)
+    hole = [[0.25, 0.0], [0.75, 0.25], [0.75, -0.25]]
+    wired = Polygon.of_loops([corners, np.add(hole, [0.5, 0.5])])
+    np.testing.assert_array_equal(wired.wires, [[0, 4]])
+    wire, side = np.hypot(0.75, 0.5), np.hypot(0.5, 0.25)
+    expected = [0, 3, 4, 1, wire, wire + side, wire + side]
+    np.testing.assert_allclose(Geodesics(wired).from_vertex(0), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("polygon", [flower(90), with_holes()], ids=["one loop", "holes"])
+def test_a_polygon_s_are_those_it_has_in_closed_form(polygon):
+    geodesics = Geodesics(polygon)
+    found = np.stack([geodesics.from_vertex(vertex) for vertex in range(len(polygon.vertices))])
+    np.testing.assert_allclose(found, polygon.geodesics(), rtol=1e-11, atol=1e-12 * polygon.diagonal)
+
+
+def test_a_polygon_s_embedding_is_the_positive_part_of_its_gram_matrix():
+    """Arc lengths of a loop do not embed: their squares' Gram matrix has negative eigenvalues."""
+    for polygon in (flower(90), with_holes()):
+        values, vectors = np.linalg.eigh(double_centred(polygon.geodesics() ** 2))
+        positive = (vectors * np.maximum(values, 0)) @ vectors.T
+        solver = InteriorDistance(polygon, Geodesic())
+        gram = solver.vertex_embedding @ solver.vertex_embedding.T
+        np.testing.assert_allclose(gram, positive, atol=1e-9 * values[-1])
+        left_out = -values[values < 0].sum() / abs(values).sum()
+        assert left_out > 0.01
+        assert f"all pairs, {percentage(left_out)}" in solver.description
 
 
 def test_landmarks_lie_far_apart(sphere):

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.core import shapes
-from tests.core.coordinate_bodies import SHAPES, elements, inner_points
-from tests.core.shapes import Outline
+from tests.core.coordinate_bodies import SHAPES, inner_points
 
-from idviewer.core import Mesh
+from idviewer.core import Mesh, Polygon
 from idviewer.core.coordinates.shepard import ShepardCoordinates
 
 
@@ -16,7 +15,7 @@ from idviewer.core.coordinates.shepard import ShepardCoordinates
 def test_weights_are_those_of_the_formula(shape, rng):
     body = SHAPES[shape]
     parts = np.zeros(len(body.vertices))
-    for corners in elements(body):
+    for corners in body.facets:
         a, *rest = body.vertices[corners]
         sides = [b - a for b in rest]
         parts[corners] += np.linalg.norm(sides[0] if len(sides) == 1 else np.cross(*sides))
@@ -27,7 +26,7 @@ def test_weights_are_those_of_the_formula(shape, rng):
 
 
 def test_in_the_centre_of_an_even_circle_they_are_shepard_s_own_with_power_two(rng):
-    circle = Outline(shapes.star(50, 0.0))
+    circle = Polygon(shapes.star(50, 0.0))
     point = np.array([0.3, -0.2])
     plain = np.linalg.norm(circle.vertices - point, axis=1) ** -2.0
     found = ShepardCoordinates(circle).weights(point[None])[0]
@@ -39,7 +38,7 @@ def test_a_finer_stretch_of_the_boundary_counts_no_more():
     angle = np.concatenate(
         [np.linspace(-0.5, 0.5, 500, endpoint=False), np.linspace(0.5, 1.5, 50, endpoint=False)]
     )
-    circle = Outline(np.column_stack([np.cos(np.pi * angle), np.sin(np.pi * angle)]))
+    circle = Polygon(np.column_stack([np.cos(np.pi * angle), np.sin(np.pi * angle)]))
     weights = ShepardCoordinates(circle).weights(np.zeros((1, 2)))
     np.testing.assert_allclose(weights @ circle.vertices, 0, atol=1e-3)
 

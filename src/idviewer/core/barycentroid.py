@@ -35,9 +35,9 @@ class Barycentroid:
     """Where the potential is smallest.
 
     Attributes:
-        point: (3,) the barycentroid, inside the mesh; (2,) inside a polygon.
+        point: (dimension,) the barycentroid, inside the shape.
         potential: U there.
-        path: (s, 3) or (s, 2) the descent that ended there, from its start on.
+        path: (s, dimension) the descent that ended there, from its start on.
     """
 
     point: Floats

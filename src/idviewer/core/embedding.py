@@ -22,7 +22,7 @@ class EmbeddedBoundary:
     """What an interior distance knows of the boundary: eigenpairs, basis and scale, each made when needed.
 
     Args:
-        mesh: n vertices.
+        shape: n vertices, in 2 or 3 dimensions.
         distance: the boundary distance.
         spectrum: eigenpairs computed before, to save computing them again.
 
@@ -30,9 +30,9 @@ class EmbeddedBoundary:
         ValueError: the distance does not work in the shape's dimension.
     """
 
-    def __init__(self, mesh: Shape, distance: Distance, spectrum: Spectrum | None = None) -> None:
-        check_dimension(distance, mesh)
-        self.shape, self.distance_kind = mesh, distance
+    def __init__(self, shape: Shape, distance: Distance, spectrum: Spectrum | None = None) -> None:
+        check_dimension(distance, shape)
+        self.shape, self.distance_kind = shape, distance
         self._spectrum = spectrum
         self._basis: Basis | None = None
         self._mean = np.empty(0)

@@ -5,8 +5,14 @@ Rows that are NaN, of points outside, give NaN.
 
 from __future__ import annotations
 
+from collections.abc import Generator, Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from idviewer.core.distances import QuadraticForm
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +26,17 @@ def by_gram(differences: Floats, columns: Floats) -> Floats:
     """
     applied = (differences @ columns) @ columns.T
     return np.sqrt(np.maximum(np.einsum("pn,pn->p", differences, applied), 0.0))
+
+
+def by_form_steps(differences: Iterable[Floats], form: QuadraticForm) -> Generator[float, None, Floats]:
+    """Eq. 2 of portions of rows z (p, n), by a form that knows z^T A z; (all p,).
+
+    Yields the share done of each portion, every few milliseconds.
+    """
+    squares = [np.empty(0)]
+    for part in differences:
+        squares.append((yield from form.squares_steps(part)))
+    return _root(np.concatenate(squares))
 
 
 def by_squares(differences: Floats, squares: Floats) -> Floats:

@@ -14,8 +14,8 @@ from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.embedding import EmbeddedBoundary
-from idviewer.core.equations import by_expansion, by_gram, by_squares, extent
-from idviewer.core.shape import Shape, as_points
+from idviewer.core.equations import by_expansion, by_form_steps, by_gram, by_squares, extent
+from idviewer.core.shape import Shape, as_pairs, as_points
 from idviewer.core.spectrum import Spectrum
 from idviewer.core.steps import finish
 
@@ -30,14 +30,14 @@ are between two checkpoints."""
 
 
 class InteriorDistance(EmbeddedBoundary):
-    """Distances between points inside a mesh.
+    """Distances between points inside a shape.
 
     The vertices are embedded so that their distances become Euclidean, v_i -> v_i*; an inner point goes
     to p* = sum_i w_i(p) v_i* with barycentric coordinates w; and d(p, q) = |p* - q*|. Source: Rustamov,
     Lipman and Funkhouser 2009, eq. 1.
 
     Args:
-        mesh: n vertices.
+        shape: n vertices, in 2 or 3 dimensions.
         distance: the boundary distance, the diffusion distance by default.
         coordinates: the name of the barycentric coordinates.
         rtol: largest error of distances between embedded points, as a share of the largest boundary
@@ -46,7 +46,7 @@ class InteriorDistance(EmbeddedBoundary):
 
     Raises:
         ValueError: unknown coordinates, a negative rtol, or what does not fit the shape.
-        MeshError: the distance asks for more eigenpairs than the mesh carries.
+        ShapeError: the distance asks for more eigenpairs than the shape carries.
 
     >>> from idviewer.core import Euclidean, Mesh
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -58,37 +58,37 @@ class InteriorDistance(EmbeddedBoundary):
 
     def __init__(
         self,
-        mesh: Shape,
+        shape: Shape,
         distance: Distance | None = None,
         coordinates: str = "mean_value",
         rtol: float = 0.0,
         spectrum: Spectrum | None = None,
     ) -> None:
-        self._assign(mesh, distance, coordinates, rtol, spectrum)
+        self._assign(shape, distance, coordinates, rtol, spectrum)
         if self._form is None:
             finish(self.prepare_steps())
 
     def _assign(
-        self, mesh: Shape, distance: Distance | None, coordinates: str, rtol: float, spectrum: Spectrum | None
+        self, shape: Shape, kind: Distance | None, coordinates: str, rtol: float, spectrum: Spectrum | None
     ) -> None:
         if not 0.0 <= rtol < 1.0:
             raise ValueError(f"rtol must lie in [0, 1), not {rtol}")
-        EmbeddedBoundary.__init__(self, mesh, Diffusion() if distance is None else distance, spectrum)
+        EmbeddedBoundary.__init__(self, shape, Diffusion() if kind is None else kind, spectrum)
         self.rtol = rtol
-        self.coordinates = coordinates_of(mesh, coordinates)
+        self.coordinates = coordinates_of(shape, coordinates)
         self._approximations: dict[bytes, Approximation | None] = {}
 
     @classmethod
     def steps(
         cls,
-        mesh: Shape,
+        shape: Shape,
         distance: Distance,
         coordinates: str = "mean_value",
         spectrum: Spectrum | None = None,
     ) -> Generator[float | None, None, InteriorDistance]:
         """The constructor as a generator that yields the share done, or None, every few milliseconds."""
         made = cls.__new__(cls)
-        made._assign(mesh, distance, coordinates, 0.0, spectrum)
+        made._assign(shape, distance, coordinates, 0.0, spectrum)
         yield from made.prepare_steps()
         return made
 
@@ -98,9 +98,6 @@ class InteriorDistance(EmbeddedBoundary):
         Distances with the same basis (all spectral ones) differ in the scale alone, so samples taken for
         one serve the others. Eigenpairs that are there are used again, also where a shorter diffusion time
         asks for more of them: the description then says what is missing.
-
-        Args:
-            distance: the boundary distance of the result.
 
         >>> from idviewer.core import Biharmonic, read_mesh, sample_path
         >>> solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
@@ -120,10 +117,10 @@ class InteriorDistance(EmbeddedBoundary):
         """Points carried into the embedding, p* = sum_i w_i(p) v_i*.
 
         Args:
-            points: (p, 3).
+            points: (p, dimension).
 
         Returns:
-            (p, k), NaN for points outside the mesh.
+            (p, k), NaN for points outside the shape.
         """
         return finish(self.sample_steps(points)) * self.scale
 
@@ -133,12 +130,12 @@ class InteriorDistance(EmbeddedBoundary):
         """The basis at points before it is scaled; yields the share done every few milliseconds.
 
         Args:
-            points: (p, 3).
+            points: (p, dimension).
             rtol: as for the class; the solver's own by default.
             weights: from `error_weights`; the solver's own distance by default.
 
         Returns:
-            (p, k), NaN for points outside the mesh.
+            (p, k), NaN for points outside the shape.
         """
         points, rtol = as_points(points, self.shape.dimension), self.rtol if rtol is None else rtol
         approximation = None if rtol == 0.0 else self._approximation(weights)
@@ -184,16 +181,18 @@ class InteriorDistance(EmbeddedBoundary):
         """Interior distance by eq. 1, |p* - q*|; where the distance knows a way past p*, by that.
 
         Args:
-            p: (p, 3) or (1, 3).
-            q: (p, 3) or (1, 3).
+            p, q: (p, dimension) or (1, dimension).
 
         Returns:
-            (p,), NaN where a point is outside the mesh.
+            (p,), NaN where a point is outside the shape.
         """
+        first, second = as_pairs(p, q, self.shape.dimension)
         if self._form is not None:
-            ends = as_points(q, self.shape.dimension)
-            return finish(self._form_steps(p, lambda part: self.coordinates.weights(_some(ends, part))))
-        return np.linalg.norm(self.embed(p) - self.embed(q), axis=1)
+            # The distance is symmetric: go through the longer list in portions, the other may be one point.
+            few, many = sorted((first, second), key=len)
+            ends = (lambda part: few) if len(few) == 1 else (lambda part: few[part])
+            return finish(self._form_steps(many, lambda part: self.coordinates.weights(ends(part))))
+        return np.linalg.norm(self.embed(first) - self.embed(second), axis=1)
 
     def gram_distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
         """Interior distance by eq. 2, the quadratic form of w(p) - w(q) with the Gram matrix A = Y^T Y.
@@ -201,14 +200,13 @@ class InteriorDistance(EmbeddedBoundary):
         The same number as `distance` by another route. A is applied, never formed.
 
         Args:
-            p: (p, 3) or (1, 3).
-            q: (p, 3) or (1, 3).
+            p, q: (p, dimension) or (1, dimension).
 
         Returns:
-            (p,), NaN where a point is outside the mesh.
+            (p,), NaN where a point is outside the shape.
         """
-        difference = self.coordinates.weights(p) - self.coordinates.weights(q)
-        return by_gram(difference, self.vertex_embedding)
+        first, second = map(self.coordinates.weights, as_pairs(p, q, self.shape.dimension))
+        return by_gram(first - second, self.vertex_embedding)
 
     def pairwise_distance(
         self, p: ArrayLike, q: ArrayLike, squares: Floats | None = None, expanded: bool = False
@@ -216,24 +214,22 @@ class InteriorDistance(EmbeddedBoundary):
         """Interior distance by eq. 4, or eq. 5, from the distances between the vertices and no embedding.
 
         Args:
-            p: (p, 3) or (1, 3).
-            q: (p, 3) or (1, 3).
+            p, q: (p, dimension) or (1, dimension).
             squares: (n, n) squared distances between the vertices; `boundary_squares` by default.
             expanded: eq. 5, the sums written out, instead of eq. 4.
 
         Returns:
-            (p,), NaN where a point is outside the mesh. Where distances do not embed, squares may be
-            negative; they count as 0.
+            (p,), NaN where a point is outside the shape, 0 where squares of what does not embed are negative.
         """
         squares = self.boundary_squares() if squares is None else squares
-        first, second = self.coordinates.weights(p), self.coordinates.weights(q)
+        first, second = map(self.coordinates.weights, as_pairs(p, q, self.shape.dimension))
         if expanded:
             first, second = np.broadcast_arrays(first, second)
             return by_expansion(first, second, squares)
         return by_squares(first - second, squares)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Which of the points (p, 3) lie inside the mesh or on it."""
+        """Which of the points (p, dimension) lie inside the shape or on its boundary."""
         ones = np.ones((len(self.shape.vertices), 1))
         return np.isfinite(finish(self.coordinates.interpolate_steps(points, ones))[:, 0])
 
@@ -241,13 +237,13 @@ class InteriorDistance(EmbeddedBoundary):
         """Distances from one source to many points.
 
         Args:
-            source: (3,).
-            points: (p, 3).
+            source: (dimension,).
+            points: (p, dimension).
 
         Returns:
-            (p,), NaN for points outside the mesh.
+            (p,), NaN for points outside the shape.
         """
-        return self.distance(points, np.reshape(source, (1, self.shape.dimension)))
+        return self.distance(points, np.atleast_2d(source))
 
     def potential(self, points: ArrayLike) -> Floats:
         """U(p), whose smallest value marks the barycentroid; section 7 of the paper.
@@ -256,10 +252,10 @@ class InteriorDistance(EmbeddedBoundary):
         area-weighted mean of the v_i*; for spectral distances c = 0 and U^2 = w^T A w.
 
         Args:
-            points: (p, 3).
+            points: (p, dimension).
 
         Returns:
-            (p,), NaN for points outside the mesh.
+            (p,), NaN for points outside the shape.
         """
         return finish(self.potential_steps(points))
 
@@ -275,25 +271,23 @@ class InteriorDistance(EmbeddedBoundary):
         """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
 
         Args:
-            points: (p, 3).
+            points: (p, dimension).
 
         Returns:
-            (p,), NaN for points outside the mesh.
+            (p,), NaN for points outside the shape.
         """
         return finish(self.coordinates.negativity_steps(points))
 
     def _form_steps(
         self, points: ArrayLike, others: Callable[[slice], Floats]
     ) -> Generator[float, None, Floats]:
-        """sqrt(z^T A z) where z is the weights of points (p, 3), less those of others."""
+        """sqrt(z^T A z) where z is the weights of points (p, dimension), less those of others."""
         points, form = as_points(points, self.shape.dimension), self._form
         assert form is not None
-        squares, size = [], max(1, NUMBERS_AT_A_TIME // len(self.shape.vertices))
-        for start in range(0, len(points), size):
-            part = slice(start, start + size)
-            differences = self.coordinates.weights(points[part]) - others(part)
-            squares.append((yield from form.squares_steps(differences)))
-        return np.sqrt(np.maximum(np.concatenate([np.empty(0), *squares]), 0.0))
+        size = max(1, NUMBERS_AT_A_TIME // len(self.shape.vertices))
+        parts = [slice(start, start + size) for start in range(0, len(points), size)]
+        differences = (self.coordinates.weights(points[part]) - others(part) for part in parts)
+        return (yield from by_form_steps(differences, form))
 
     def barycentroid(self) -> Barycentroid:
         """The point inside where the potential is smallest; see `idviewer.core.barycentroid`."""
@@ -302,8 +296,3 @@ class InteriorDistance(EmbeddedBoundary):
     def barycentroid_steps(self) -> Generator[float | None, None, Barycentroid]:
         """`barycentroid` as a generator that yields every few milliseconds."""
         return barycentroid_steps(self.shape, self.potential_steps)
-
-
-def _some(points: Floats, part: slice) -> Floats:
-    """A part of the points, or the only one."""
-    return points if len(points) == 1 else points[part]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core._examination import Examination, examine
 from idviewer.core._findings import CHOICES, Finding
@@ -50,7 +51,7 @@ class MeshError(ShapeError):
         return cls(f"{name}: {message}" if name else message, tuple(walk.findings), several)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Mesh:
     """A closed, two-sided triangle mesh in one piece, wound outward.
 
@@ -81,9 +82,12 @@ class Mesh:
     name: str = ""
     notes: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self, vertices: ArrayLike, faces: ArrayLike, name: str = "", notes: Sequence[str] = ()
+    ) -> None:
+        object.__setattr__(self, "name", name)
         try:
-            polygons = Polygons.of(self.vertices, self.faces)
+            polygons = Polygons.of(vertices, faces)
         except (TypeError, ValueError) as error:
             raise MeshError(str(error)) from error
         if len(polygons.sizes) and np.any(polygons.sizes != 3):
@@ -92,8 +96,8 @@ class Mesh:
             )
         walk = examine(polygons)
         if walk.changed:
-            raise MeshError.about(walk, self.name)
-        self._fill(walk, self.notes)
+            raise MeshError.about(walk, name)
+        self._fill(walk, tuple(notes))
 
     @classmethod
     def of_examination(cls, walk: Examination, name: str, notes: tuple[str, ...]) -> Mesh:

@@ -12,21 +12,20 @@ from idviewer.core.shape import Shape
 Floats = NDArray[np.float64]
 
 
-def interior_distance(mesh: Shape, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
-    """Interior distances of point pairs; for many calls on one mesh keep an `InteriorDistance`.
+def interior_distance(shape: Shape, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
+    """Interior distances of point pairs; for many calls on one shape keep an `InteriorDistance`.
 
     Args:
-        mesh: n vertices.
-        p: (p, 3) or (1, 3).
-        q: (p, 3) or (1, 3).
+        shape: n vertices, in 2 or 3 dimensions.
+        p, q: (p, dimension) or (1, dimension).
         distance: the boundary distance, the diffusion distance by default.
 
     Returns:
-        (p,), NaN where a point is outside the mesh.
+        (p,), NaN where a point is outside the shape.
 
     >>> from idviewer.core import read_mesh, sample_path
     >>> hand = read_mesh(sample_path("hand_2k"))
     >>> interior_distance(hand, hand.vertices[:1], hand.vertices[:1]).tolist()
     [0.0]
     """
-    return InteriorDistance(mesh, distance).distance(p, q)
+    return InteriorDistance(shape, distance).distance(p, q)

@@ -26,7 +26,7 @@ ON_THE_EDGE = 4.0 * float(np.finfo(np.float64).eps)
 """Points nearer to an edge than this share of the largest coordinate lie on it, as far as floats can tell."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Polygon:
     """A polygon whose outline neither crosses nor touches itself, with holes or without.
 
@@ -59,28 +59,38 @@ class Polygon:
     name: str = ""
     notes: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        loops: Sequence[ArrayLike] | None = None,
+        name: str = "",
+        notes: Sequence[str] = (),
+    ) -> None:
+        self._label(name, notes)
         try:
-            vertices = checks.points_of(self.vertices)
-            loops = checks.loops_of(self.loops, len(vertices))
-            successors = checks.successors_of(loops)
-            checks.refuse_repeated(vertices, successors)
-            checks.refuse_crossing(vertices, successors)
-            loops = checks.oriented(vertices, loops)
-            checks.refuse_nesting(vertices, loops)
+            points = checks.points_of(vertices)
+            numbers = checks.loops_of(loops, len(points))
+            successors = checks.successors_of(numbers)
+            checks.refuse_repeated(points, successors)
+            checks.refuse_crossing(points, successors)
+            numbers = checks.oriented(points, numbers)
+            checks.refuse_nesting(points, numbers)
         except PolygonError as error:
             raise self._named(error) from None
-        self._fill(vertices, loops)
+        self._fill(points, numbers)
 
     def _named(self, error: PolygonError) -> PolygonError:
         return PolygonError(f"{self.name}: {error}") if self.name else error
+
+    def _label(self, name: str, notes: Sequence[str]) -> None:
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "notes", tuple(notes))
 
     def _fill(self, vertices: Floats, loops: tuple[Ints, ...]) -> None:
         for array in (vertices, *loops):
             array.setflags(write=False)
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "loops", loops)
-        object.__setattr__(self, "notes", tuple(self.notes))
 
     def __repr__(self) -> str:
         holes = {1: "", 2: ", 1 hole"}.get(len(self.loops), f", {len(self.loops) - 1} holes")
@@ -134,8 +144,7 @@ class Polygon:
         except PolygonError as error:
             raise self._named(error) from None
         polygon = object.__new__(Polygon)
-        object.__setattr__(polygon, "name", self.name)
-        object.__setattr__(polygon, "notes", self.notes)
+        polygon._label(self.name, self.notes)
         polygon._fill(points, loops)
         return polygon
 

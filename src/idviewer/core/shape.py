@@ -68,3 +68,18 @@ def as_points(points: ArrayLike, dimension: int) -> Floats:
     if array.ndim != 2 or array.shape[1] != dimension:
         raise ValueError(f"points must have shape (p, {dimension}), not {array.shape}")
     return array
+
+
+def as_pairs(p: ArrayLike, q: ArrayLike, dimension: int) -> tuple[Floats, Floats]:
+    """Two lists of points, (p, dimension) each, or (1, dimension); a ValueError names what does not match.
+
+    >>> [len(points) for points in as_pairs([[0, 0]], [[1, 1], [2, 2]], 2)]
+    [1, 2]
+    """
+    first, second = as_points(p, dimension), as_points(q, dimension)
+    if len(first) != len(second) and 1 not in (len(first), len(second)):
+        raise ValueError(
+            f"distances between {len(first)} points and {len(second)} points: "
+            "there must be as many of both, or one of either"
+        )
+    return first, second

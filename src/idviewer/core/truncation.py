@@ -33,15 +33,15 @@ class TruncationError:
 
 
 def truncation_error(
-    mesh: Shape, spectrum: Spectrum | None = None, pairs: int = 100, on: str = "inside", seed: int = 0
+    shape: Shape, spectrum: Spectrum | None = None, pairs: int = 100, on: str = "inside", seed: int = 0
 ) -> TruncationError:
     """The error of `GPS` against `CommuteTime` on random pairs of points.
 
     Args:
-        mesh: n vertices.
+        shape: n vertices, in 2 or 3 dimensions.
         spectrum: of the truncated form; the paper's cut-off by default.
         pairs: how many.
-        on: "inside" the mesh, or at its "vertices", where truncation is felt most.
+        on: "inside" the shape, or at its "vertices", where truncation is felt most.
         seed: of the choice.
 
     Raises:
@@ -54,8 +54,11 @@ def truncation_error(
     """
     if on not in ("inside", "vertices"):
         raise ValueError(f'pairs lie "inside" or at "vertices", not {on!r}')
-    exact, truncated = InteriorDistance(mesh, CommuteTime()), InteriorDistance(mesh, GPS(), spectrum=spectrum)
-    points = mesh.vertices if on == "vertices" else interior_samples(mesh)
+    exact, truncated = (
+        InteriorDistance(shape, CommuteTime()),
+        InteriorDistance(shape, GPS(), spectrum=spectrum),
+    )
+    points = shape.vertices if on == "vertices" else interior_samples(shape)
     rng = np.random.default_rng(seed)
     p, q = points[np.array([rng.choice(len(points), 2, replace=False) for _ in range(pairs)]).T]
     wanted, found = exact.distance(p, q), truncated.distance(p, q)

@@ -19,8 +19,8 @@ LARGEST = 4000
 class CommuteTime(Distance):
     """Commute-time distance without truncation: d^2 = z^T L^+ z with z = w(p) - w(q); it has no parameter.
 
-    Pairs of points, fields and the potential take one sparse solve a point, on meshes of any size. Slices
-    are sampled from a dense embedding of full rank, which only meshes of up to 4,000 vertices have; beyond,
+    Pairs of points, fields and the potential take one sparse solve a point, on shapes of any size. Slices
+    are sampled from a dense embedding of full rank, which only shapes of up to 4,000 vertices have; beyond,
     `GPS` is the truncated form. The expected length of a random walk there and back is d^2 times the sum of
     all degrees of the graph (Yen et al. 2007). Source: Rustamov et al. 2009, section 4 (class 2).
     """
@@ -35,7 +35,7 @@ class CommuteTime(Distance):
             shape,
             LARGEST,
             "the exact commute time's embedding",
-            "take gps, its truncated form, or a mesh of fewer vertices",
+            "take gps, its truncated form, or a shape of fewer vertices",
         )
         return Basis((yield from commute_embedding_steps(shape)))
 

@@ -27,7 +27,7 @@ class Diffusion(Spectral):
     Source: Coifman et al. 2005; Rustamov et al. 2009, section 4 (class 1) and appendix.
 
     Attributes:
-        time: diffusion time t in the mesh's unit squared; None stands for the paper's 1 / (8 lambda_2).
+        time: diffusion time t in the shape's unit squared; None stands for the paper's 1 / (8 lambda_2).
 
     >>> Diffusion().cutoff(1.0) == Diffusion(time=0.125).cutoff(1.0)
     True
@@ -56,7 +56,7 @@ class Diffusion(Spectral):
         return np.exp(-needed(spectrum).values * self.resolved_time(needed(spectrum)))
 
     def resolved_time(self, spectrum: Spectrum) -> float:
-        """The time t that is used, in the mesh's unit squared."""
+        """The time t that is used, in the shape's unit squared."""
         return paper_time(float(spectrum.values[0])) if self.time is None else self.time
 
     def describe(self, spectrum: Spectrum | None) -> str:

@@ -52,7 +52,7 @@ class PowerOfEigenvalues(Spectral):
 def needed(spectrum: Spectrum | None) -> Spectrum:
     """The eigenpairs, which must be there."""
     if spectrum is None:
-        raise ValueError("a spectral distance needs the mesh's eigenpairs")
+        raise ValueError("a spectral distance needs the shape's eigenpairs")
     return spectrum
 
 
