@@ -12,7 +12,7 @@ import numpy as np
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
-from idviewer.session.blas import FEW, one_thread
+from idviewer.core.threads import few_threads
 from idviewer.session.framing import Framing
 from idviewer.session.memory import give_back
 from idviewer.session.plane_samples import PlaneSamples
@@ -62,7 +62,7 @@ class Pipeline:
                     yield Progress(f"Reading {request.path.name}")
                     yield Opened(read_shape(request.path, component=request.component), request.path)
                 case FrameRequest():
-                    with one_thread(request.shape):
+                    with few_threads(request.shape):
                         yield from _patiently(request.shape, self._frames(request))
                 case DropRequest():
                     self._preparing = None
@@ -121,7 +121,7 @@ class Pipeline:
                 yield Progress(COMPILING, share)
             self._compiled = True
         spectrum = (yield from _eigenpairs(shape, query.distance)) if query.distance.spectral else None
-        if len(shape.vertices) > FEW:
+        if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
         if known is not None:
             known.spectrum = spectrum

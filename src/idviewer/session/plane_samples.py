@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Mesh, Plane, Polygon, Section, Shape, polygon_section, section
-from idviewer.core.slice_mesh import SliceMesh, edges_of, slice_mesh, spacing_for, split
+from idviewer.core.slice_mesh import STEPS, SliceMesh, edges_of, slice_mesh, spacing_for, split
 from idviewer.session.cloud import Cloud
 from idviewer.session.kept_rows import KeptRows
 from idviewer.session.middles import Middles, combined, interpolated
@@ -228,10 +229,11 @@ def _section(shape: Shape, plane: Plane) -> tuple[Section, float]:
     linear along them even where the basis is.
     """
     if isinstance(shape, Polygon):
-        spacing = spacing_for(polygon_section(shape), COARSEST)
-        return polygon_section(shape, 0.5 * spacing), spacing
-    assert isinstance(shape, Mesh)
-    cut = section(shape, plane)
+        widest = max(math.sqrt(shape.area / COARSEST), shape.perimeter / (STEPS * COARSEST))
+        cut = polygon_section(shape, 0.5 * widest)
+    else:
+        assert isinstance(shape, Mesh)
+        cut = section(shape, plane)
     return cut, spacing_for(cut, COARSEST)
 
 
