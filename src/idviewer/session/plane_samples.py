@@ -39,6 +39,9 @@ NEIGHBOURS = 0.2
 NODE_BITS = 24
 """Enough to number the points sampled."""
 
+LONGEST = 0.6
+"""Edges of a polygon are divided into parts of at most so many of the coarsest lattice's constants."""
+
 BAND_SHARE = 0.15
 """Finer levels sample up to so many middles of band edges for each node."""
 
@@ -230,7 +233,7 @@ def _section(shape: Shape, plane: Plane) -> tuple[Section, float]:
     """
     if isinstance(shape, Polygon):
         widest = max(math.sqrt(shape.area / COARSEST), shape.perimeter / (STEPS * COARSEST))
-        cut = polygon_section(shape, 0.5 * widest)
+        cut = polygon_section(shape, LONGEST * widest)
     else:
         assert isinstance(shape, Mesh)
         cut = section(shape, plane)
