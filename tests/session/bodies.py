@@ -9,6 +9,7 @@ import numpy as np
 from tests.core import shapes
 
 from idviewer.core import Mesh, Plane
+from idviewer.session.session import Session
 
 WAIT = 60.0
 """Seconds after which a test that waits for the compute thread fails."""
@@ -40,6 +41,31 @@ class Owner:
         """Run what has been posted up to now."""
         while not self._posted.empty():
             self._posted.get()()
+
+
+class Desk:
+    """A session with its owner's thread, and a log of all that it tells; closed at the end of a `with`."""
+
+    def __init__(self) -> None:
+        self.owner = Owner()
+        self.session = Session(self.owner.post)
+        self.log: list[tuple] = []
+        for name in ("changed", "opened", "readied", "framed", "progressed", "failed"):
+            getattr(self.session, name).connect(lambda *told, name=name: self.log.append((name, *told)))
+
+    def __enter__(self) -> Desk:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.session.close()
+
+    def settle(self) -> None:
+        """Until nothing is computed or read any more."""
+        self.owner.run_until(lambda: not self.session.busy)
+
+    def told(self, name: str) -> list[tuple]:
+        """What a signal told, in order."""
+        return [entry[1:] for entry in self.log if entry[0] == name]
 
 
 def random_planes(mesh: Mesh, count: int, rng: np.random.Generator) -> list[Plane]:

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from tests.core import shapes
-from tests.session.bodies import Owner, egg
+from tests.session.bodies import Desk, egg
 
 from idviewer.core import (
     GPS,
@@ -24,7 +24,7 @@ from idviewer.core import (
 )
 from idviewer.core.rays import Ray
 from idviewer.session.record import Recorder, replay
-from idviewer.session.session import Session, default_plane, point_of
+from idviewer.session.session import default_plane, point_of
 from idviewer.session.state import State
 
 MESH = egg()
@@ -37,28 +37,10 @@ def write_off(path, mesh: Mesh) -> None:
     path.write_text("\n".join(lines))
 
 
-class Desk:
-    """A session with its owner's thread, and a log of all that it tells."""
-
-    def __init__(self):
-        self.owner = Owner()
-        self.session = Session(self.owner.post)
-        self.log = []
-        for name in ("changed", "opened", "readied", "framed", "progressed", "failed"):
-            getattr(self.session, name).connect(lambda *told, name=name: self.log.append((name, *told)))
-
-    def settle(self):
-        self.owner.run_until(lambda: not self.session.busy)
-
-    def told(self, name):
-        return [entry[1:] for entry in self.log if entry[0] == name]
-
-
 @pytest.fixture
 def desk():
-    made = Desk()
-    yield made
-    made.session.close()
+    with Desk() as made:
+        yield made
 
 
 @pytest.fixture
