@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache
 
 from threadpoolctl import ThreadpoolController
@@ -31,17 +31,26 @@ def few_threads(shape: Shape) -> Iterator[None]:
     >>> before
     1
     """
-    if len(shape.vertices) > FEW_OF_A_PRODUCT:
+    products = small_products() if len(shape.vertices) <= FEW_OF_A_PRODUCT else nullcontext()
+    kernels = _small_kernels() if len(shape.facets) <= FEW_OF_A_KERNEL else nullcontext()
+    with products, kernels:
         yield
-        return
-    small = len(shape.facets) <= FEW_OF_A_KERNEL
+
+
+@contextmanager
+def small_products() -> Iterator[None]:
+    """Within it BLAS uses one thread: products of the weights of some points with a basis are small tasks."""
     with _libraries().limit(limits=1, user_api="blas"):
-        before = use_threads(1) if small else 0
-        try:
-            yield
-        finally:
-            if small:
-                use_threads(before)
+        yield
+
+
+@contextmanager
+def _small_kernels() -> Iterator[None]:
+    before = use_threads(1)
+    try:
+        yield
+    finally:
+        use_threads(before)
 
 
 @cache

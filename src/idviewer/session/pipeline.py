@@ -12,7 +12,7 @@ import numpy as np
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
-from idviewer.core.threads import few_threads
+from idviewer.core.threads import few_threads, small_products
 from idviewer.session.framing import Framing
 from idviewer.session.memory import give_back
 from idviewer.session.plane_samples import PlaneSamples
@@ -93,7 +93,8 @@ class Pipeline:
             self._told = (prepared, modes)
             yield Ready(request.shape, modes, np.array(prepared.barycentroid(query)))
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
-        yield from _coarse_to_fine(prepared, framing, samples)
+        with small_products():
+            yield from _coarse_to_fine(prepared, framing, samples)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
@@ -131,8 +132,9 @@ class Pipeline:
         prepared = Prepared(solver, request.centre if _holds(shape, request.centre) else None)
         if not prepared.has_centre:
             yield Progress(SEARCHING)
-            for _ in prepared.settle_steps(solver):
-                yield Progress(SEARCHING)
+            with small_products():
+                for _ in prepared.settle_steps(solver):
+                    yield Progress(SEARCHING)
         return prepared
 
 

@@ -106,8 +106,10 @@ class Sampled:
 def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
     """What there is to say of the weights found so far, one sentence each."""
     count = coordinates.unconverged
-    points = f"{count} of the points tried" if count > 1 else "one of the points tried"
-    return (f"{coordinates.title} were not found at {points}; it has no value",) if count else ()
+    if count == 0:
+        return ()
+    points = "one of the points tried; it has" if count == 1 else f"{count} of the points tried; they have"
+    return (f"{coordinates.title} were not found at {points} no value",)
 
 
 class Prepared:
