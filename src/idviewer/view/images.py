@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
-from vtkmodules.vtkRenderingCore import vtkRenderWindow
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow, vtkTextureObject
 
 from idviewer.view.camera import ANGLE, Pose, look, pan, rotate, unit
@@ -72,7 +72,9 @@ def image(
     scale = _scale(size)
     if camera is None and state.shape is not None:
         bar = BAR * scale if frame is not None and state.display.scale_bar else 0.0
-        camera = _camera(state.shape, frame.query.planes if frame is not None else state.query.planes, size, bar)
+        camera = _camera(
+            state.shape, frame.query.planes if frame is not None else state.query.planes, size, bar
+        )
     with _plotter(size, round(scale * POINTS_PER_INCH)) as plotter:
         scene = Scene(plotter)
         try:

@@ -63,7 +63,9 @@ class MessageBar(QFrame):
         return self.property("kind")
 
     def tell(self, kind: Kind, text: str, offer: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Shows text; offer is a button's label and what it does."""
+        """Shows text; offer is a button's label and what it does. What is shown already costs nothing."""
+        if offer is None and self._action is None and (kind, text) == (self.kind, self.text):
+            return
         self.setProperty("kind", kind)
         self.style().unpolish(self)
         self.style().polish(self)

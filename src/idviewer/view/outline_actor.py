@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 
@@ -17,14 +18,16 @@ if TYPE_CHECKING:
 
 WIDTH = 2.2
 """In pixels."""
+CORNER = 12.0
+"""Degrees: where the outline turns by less, two lines meet without a gap, and a dot would only be a bump."""
 
 
 class OutlineActor:
-    """Lines from vertex to vertex, and round dots of their width that join them.
+    """Lines from vertex to vertex, and round dots of their width that join them at corners.
 
     Attributes:
         lines: the edges.
-        joints: the vertices.
+        joints: the corners.
     """
 
     def __init__(self) -> None:
@@ -53,7 +56,7 @@ class OutlineActor:
         self._edges.SetPoints(points)
         self._edges.SetLines(as_cells(polygon.edges))
         self._vertices.SetPoints(points)
-        self._vertices.SetVerts(as_cells(np.arange(len(polygon.vertices))[:, None]))
+        self._vertices.SetVerts(as_cells(_corners(polygon)[:, None]))
         for actor in self.actors:
             place.apply(actor)
 
@@ -63,3 +66,11 @@ class OutlineActor:
         half = float(np.ceil(0.5 * WIDTH * scale + 1.0))
         self.joints.GetProperty().SetPointSize(2 * half)
         set_uniforms(self.joints, dotRadius=0.5 * WIDTH * scale, spriteRadius=half)
+
+
+def _corners(polygon: Polygon) -> NDArray[np.intp]:
+    """Numbers of the vertices at which the outline turns."""
+    ways = (polygon.vertices[polygon.edges[:, 1]] - polygon.vertices) / polygon.lengths[:, None]
+    arriving = np.empty_like(ways)
+    arriving[polygon.edges[:, 1]] = ways
+    return np.flatnonzero((ways * arriving).sum(axis=1) < np.cos(np.radians(CORNER)))
