@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QGroupBox,
-    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -164,11 +163,11 @@ class ShowGroup(QGroupBox):
         }
         for label, widget in rows.items():
             layout.addRow(label, widget)
-        ticks = QHBoxLayout()
-        ticks.addWidget(self.barycentroid)
-        ticks.addWidget(self.scale_bar)
+        ticks = QGridLayout()
+        ticks.addWidget(self.barycentroid, 0, 0)
+        ticks.addWidget(self.scale_bar, 0, 1)
+        ticks.addWidget(self.vertices, 1, 0, 1, 2)
         layout.addRow(ticks)
-        layout.addRow(self.vertices)
         self.vertices.setToolTip(
             "Drag a vertex and the distances follow; with Shift its neighbours come along"
         )
@@ -202,8 +201,7 @@ class ShowGroup(QGroupBox):
         flat = is_flat(state.shape)
         if flat == self._form.isRowVisible(self.opacity):
             self._form.setRowVisible(self.opacity, not flat)
-        if flat != self._form.isRowVisible(self.vertices):
-            self._form.setRowVisible(self.vertices, flat)
+        self.vertices.setVisible(flat)
 
 
 def _field(name: str) -> QLineEdit:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -47,7 +48,7 @@ class Reshaper:
         try:
             self._session.reshape(vertices)
         except PolygonError as error:
-            self._reason = f"The vertex stays where it was: {error}."
+            self._reason = f"The vertex stays where it was: {_shortened(error)}."
             self._messages.tell("error", self._reason)
         else:
             self.forget_reason()
@@ -92,3 +93,13 @@ class Reshaper:
             other.append(now)
             self.move(wanted.pop())
             self._told()
+
+
+def _shortened(error: PolygonError) -> str:
+    """What is wrong, without the file's name, places and advice: all that is seen in the picture.
+
+    >>> _shortened(PolygonError("star: edge 1-2 from (0, 1) to (2, 1) crosses vertex 7 (1, 0); move one"))
+    'edge 1-2 crosses vertex 7'
+    """
+    text = re.sub(r"( from| to)? \([^)]*\)", "", str(error)).split("; ")[0]
+    return text.split(": ", 1)[-1]

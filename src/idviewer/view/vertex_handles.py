@@ -15,9 +15,9 @@ from idviewer.view.shaders import BALL, set_uniforms
 MOST = 500
 """Of more vertices, only the one under the mouse is shown."""
 CALM, HOT = (0.10, 0.12, 0.18), (1.0, 0.52, 0.08)
-CALM_RADIUS, HOT_RADIUS = 1.9, 5.0
-CALM_RIM, HOT_RIM = 1.1, 1.6
-"""In pixels; the rims are white, so that dots are seen against all colours."""
+CALM_RADIUS, HOT_RADIUS = 2.4, 5.0
+CALM_RIM, HOT_RIM = 0.0, 1.6
+"""In pixels. All vertices are knots in the outline; the one pointed out has a white rim around it."""
 
 
 class VertexHandles:
