@@ -73,7 +73,7 @@ def test_the_last_frame_is_a_direct_computation(pipeline, solver):
 
 @pytest.mark.slow
 def test_coarse_frames_come_first_and_state_their_error(pipeline, solver):
-    pipeline._prepared.sampled(QUERY.distance)._planes.clear()
+    pipeline._prepared.sampled(QUERY)._planes.clear()
     frames = frames_of(pipeline, QUERY)
     assert len(frames) == 3
     assert [frame.level for frame in frames] == list(range(len(frames)))
@@ -117,8 +117,8 @@ def test_a_frame_describes_itself(pipeline):
 
 
 def test_without_a_source_it_is_the_barycentroid_and_the_potential_is_lowest_there(pipeline):
-    through = pipeline._prepared.barycentroid(QUERY.distance).point
-    query = Query(planes=(Plane(tuple(through), (1.0, 0, 0)),), quantity="potential")
+    through = pipeline._prepared.barycentroid(QUERY)
+    query = Query(planes=(Plane(through, (1.0, 0, 0)),), quantity="potential")
     frame = frames_of(pipeline, query)[-1]
     np.testing.assert_array_equal(frame.source, frame.barycentroid)
     assert frame.title.startswith("Potential U (Diffusion distance")

@@ -25,7 +25,7 @@ FALLBACK_PICTURE = Path("idviewer.png")
 
 app = App(
     name="idviewer",
-    help="Interior distances of triangle meshes: a window, and the same without one.",
+    help="Interior distances of triangle meshes and polygons: a window, and the same without one.",
     version=idviewer.__version__,
     help_format="plaintext",
     result_action="return_value",
@@ -34,26 +34,21 @@ app = App(
 
 
 @app.default
-def window(mesh: str | None = None, /) -> int:
+def window(shape: str | None = None, /) -> int:
     """Open the window; without a display, draw a picture instead.
 
     Args:
-        mesh: A file, or the name of a bundled shape.
+        shape: A file, or the name of a bundled shape.
     """
     from idviewer.core.samples import DEFAULT_SAMPLE
 
-    path = None if mesh is None else words.path_of(mesh)
+    path = None if shape is None else words.path_of(shape)
     obstacle = words.why_no_display()
     if obstacle:
         print(f"idviewer: {obstacle}; drawing a picture instead", file=sys.stderr, flush=True)
         words.check_picture_path(FALLBACK_PICTURE)
-        work.draw(
-            words.mesh_of(mesh or DEFAULT_SAMPLE),
-            FALLBACK_PICTURE,
-            kinds.distance_of(Kind()),
-            Asked(),
-            Looks(),
-        )
+        kind = kinds.carried_by(Kind())
+        work.draw(words.shape_of(shape or DEFAULT_SAMPLE), FALLBACK_PICTURE, kind, Asked(), Looks())
         print(FALLBACK_PICTURE)
         return 0
     words.need_window_libraries()
@@ -64,7 +59,7 @@ def window(mesh: str | None = None, /) -> int:
 
 @app.command
 def render(
-    mesh: str,
+    shape: str,
     out: Path,
     /,
     *,
@@ -76,19 +71,19 @@ def render(
     """Draw a picture into a PNG file; needs no display.
 
     Args:
-        mesh: A file, or the name of a bundled shape.
+        shape: A file, or the name of a bundled shape.
         out: The picture.
-        component: Which of several components to take, 1 for the largest.
+        component: Which of a mesh's components to take, 1 for the largest.
     """
     words.check_picture_path(out)
     work.check(asked, looks)
-    distance = kinds.distance_of(kind)
-    work.draw(words.mesh_of(mesh, component), out, distance, asked, looks)
+    carried = kinds.carried_by(kind)
+    work.draw(words.shape_of(shape, component), out, carried, asked, looks)
 
 
 @app.command
 def distance(
-    mesh: str,
+    shape: str,
     /,
     *,
     ends: Ends = Ends(),
@@ -99,8 +94,8 @@ def distance(
     """Print the interior distance of two points, or of many from one.
 
     Args:
-        mesh: A file, or the name of a bundled shape.
-        component: Which of several components to take, 1 for the largest.
+        shape: A file, or the name of a bundled shape.
+        component: Which of a mesh's components to take, 1 for the largest.
         json: Print JSON.
     """
     given = {name for name, value in vars(ends).items() if value is not None}
@@ -110,26 +105,28 @@ def distance(
         answer = work.many
     else:
         raise ValueError(
-            "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv"
+            "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv "
+            "(X,Y in a polygon)"
         )
-    carried = kinds.distance_of(kind)
-    print(answer(ends, lambda: work.solver_of(words.mesh_of(mesh, component), carried), json))
+    carried = kinds.carried_by(kind)
+    print(answer(ends, lambda: words.shape_of(shape, component), carried, json))
 
 
 @app.command
 def barycentroid(
-    mesh: str, /, *, kind: Kind = Kind(), component: Component = None, json: Flag = False
+    shape: str, /, *, kind: Kind = Kind(), component: Component = None, json: Flag = False
 ) -> None:
-    """Print the point inside whose mean squared distance to the surface is smallest.
+    """Print the point inside whose mean squared distance to the boundary is smallest.
 
     Args:
-        mesh: A file, or the name of a bundled shape.
-        component: Which of several components to take, 1 for the largest.
+        shape: A file, or the name of a bundled shape.
+        component: Which of a mesh's components to take, 1 for the largest.
         json: Print JSON.
     """
-    carried = kinds.distance_of(kind)
-    solver = work.solver_of(words.mesh_of(mesh, component), carried)
+    carried = kinds.carried_by(kind)
+    solver = work.solver_of(words.shape_of(shape, component), carried)
     found = solver.barycentroid()
+    work.tell_remarks(work.remarks_of(solver))
     if json:
         content = {**work.kind_of(solver), "point": found.point, "potential": found.potential}
         print(output.as_json(content))
@@ -138,18 +135,21 @@ def barycentroid(
 
 
 @app.command
-def info(mesh: str, /, *, json: Flag = False) -> int:
-    """Print a mesh's sizes and everything that is wrong with it; exit status 2 if it cannot be used.
+def info(shape: str, /, *, json: Flag = False) -> int:
+    """Print a shape's sizes and everything that is wrong with it; exit status 2 if it cannot be used.
 
     Args:
-        mesh: A file, or the name of a bundled shape.
+        shape: A file, or the name of a bundled shape.
         json: Print JSON.
     """
-    from idviewer.core.io import inspect_file
+    from idviewer.cli import about
 
-    diagnosis = inspect_file(words.path_of(mesh))
-    print(output.as_json({"mesh": mesh, **diagnosis.as_dict()}) if json else output.report(mesh, diagnosis))
-    return 0 if diagnosis.usable else BAD_INPUT
+    path = words.path_of(shape)
+    text, usable = (
+        about.polygon(shape, path, json) if about.is_polygon(path) else about.mesh(shape, path, json)
+    )
+    print(text)
+    return 0 if usable else BAD_INPUT
 
 
 @app.command

@@ -1,4 +1,4 @@
-"""Which distance the command line's words stand for, and the help on all there are: from the registry."""
+"""Which distance and coordinates words stand for, and the help on all there are: from the registries."""
 
 from __future__ import annotations
 
@@ -46,6 +46,24 @@ def distance_of(kind: Kind) -> Distance:
     return made
 
 
+def carried_by(kind: Kind) -> tuple[Distance, str]:
+    """The distance of that name, with those parameters, and the name of the coordinates that carry it.
+
+    Raises:
+        ValueError: there is no such distance, parameter or kind of coordinates, or a value means nothing.
+        FileNotFoundError: there is no such file.
+    """
+    from idviewer.core import COORDINATES
+
+    distance = distance_of(kind)
+    if kind.coordinates not in COORDINATES:
+        raise ValueError(
+            f"--coordinates {kind.coordinates}: there are no such coordinates; "
+            f"there are: {', '.join(COORDINATES)}"
+        )
+    return distance, kind.coordinates
+
+
 def _settings(kind: Kind) -> list[tuple[str, str, str]]:
     """What is to be set: the option as written, the parameter's name, the value's text."""
     settings = []
@@ -77,8 +95,8 @@ def _instead(name: str, parameter: str) -> str:
 
 
 def all_in_words() -> str:
-    """Every distance with its parameters, for the end of a verb's help."""
-    from idviewer.core import DISTANCES, parameters_of
+    """Every distance with its parameters, and all coordinates, for the end of a verb's help."""
+    from idviewer.core import COORDINATES, DISTANCES, parameters_of
 
     lines = ["Distances (--distance NAME) and their parameters (--set NAME=VALUE):"]
     for name, kind in DISTANCES.items():
@@ -86,4 +104,6 @@ def all_in_words() -> str:
         for parameter, one in parameters_of(kind).items():
             told = f"{parameter}: {one.help}; {one.in_words()}"
             lines += wrap(told, WIDTH, initial_indent=" " * 17, subsequent_indent=" " * 19)
+    lines.append("Coordinates (--coordinates NAME):")
+    lines += [f"  {name:<17}{kind.title}" for name, kind in COORDINATES.items()]
     return "\n".join(lines)

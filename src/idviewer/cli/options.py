@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
-Coordinates = Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X,Y,Z")]
-SOURCE = Parameter(allow_leading_hyphen=True, metavar="X,Y,Z|barycentroid")
+PointText = Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X,Y[,Z]")]
+SOURCE = Parameter(allow_leading_hyphen=True, metavar="X,Y[,Z]|barycentroid")
 PlaneTexts = Annotated[
     tuple[str, ...],
     Parameter(
@@ -27,17 +27,19 @@ Component = Annotated[int | None, Parameter(metavar="N")]
 @Parameter(name="*")
 @dataclass(frozen=True)
 class Kind:
-    """Which distance is carried inside.
+    """Which distance is carried inside, and by what.
 
     Attributes:
         distance: The boundary distance that is carried inside; listed below.
         set: A parameter of the distance, listed below; may be repeated.
-        time: The same as --set time=T, the diffusion time in the mesh's unit squared.
+        time: The same as --set time=T, the diffusion time in the shape's unit squared.
+        coordinates: The barycentric coordinates that carry it; listed below.
     """
 
     distance: Annotated[str, Parameter(metavar="NAME")] = "diffusion"
     set: ParameterTexts = ()
     time: Annotated[float | None, Parameter(metavar="T", allow_leading_hyphen=True)] = None
+    coordinates: Annotated[str, Parameter(metavar="NAME")] = "mean_value"
 
 
 @Parameter(name="*")
@@ -47,7 +49,7 @@ class Asked:
 
     Attributes:
         source: Where distances are measured from.
-        plane: A slicing plane, such as z=0.5 (half-way through the body); may be repeated.
+        plane: A slicing plane of a mesh, such as z=0.5 (half-way through the body); may be repeated.
         quantity: The distance from the source, or the barycentroid's potential U.
     """
 
@@ -85,10 +87,10 @@ class Ends:
         from_: One point.
         to: The other point.
         source: The point that many distances are measured from.
-        points: The many: a CSV file with the columns x,y,z.
+        points: The many: a CSV file with the columns x,y,z, or x,y for a polygon.
     """
 
-    from_: Annotated[Coordinates, Parameter(name="--from")] = None
-    to: Coordinates = None
+    from_: Annotated[PointText, Parameter(name="--from")] = None
+    to: PointText = None
     source: Annotated[str | None, SOURCE] = None
     points: Annotated[Path | None, Parameter(metavar="FILE.csv")] = None

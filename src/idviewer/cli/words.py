@@ -1,4 +1,4 @@
-"""What the command line's words stand for: meshes, points, sizes, tables. And whether a window can be opened.
+"""What the command line's words stand for: shapes, points, sizes, tables. And whether a window can be opened.
 
 Every error is a ValueError or an OSError whose message is the line that the user gets to read.
 """
@@ -15,13 +15,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from idviewer.core import Mesh
+    from idviewer.core import Shape
 
 BARYCENTROID = "barycentroid"
 LARGEST_SIZE = 8192
 """Of a picture, in pixels; what every OpenGL can draw in one piece."""
 
-Triple = tuple[float, float, float]
+Point = tuple[float, ...]
+"""Three coordinates, or two in a polygon."""
+
+AXES = ("x", "y", "z")
+NUMBERS = {2: "two", 3: "three"}
 
 WINDOW_LIBRARIES = {
     "libGL.so.1": "libgl1",
@@ -48,31 +52,38 @@ def path_of(name: str) -> Path:
     raise FileNotFoundError(f"{name}: neither a file nor a bundled shape; {hint}")
 
 
-def mesh_of(name: str, component: int | None = None) -> Mesh:
-    """The mesh of that name; the repairs that it needed are told on standard error."""
-    from idviewer.core import read_mesh
+def shape_of(name: str, component: int | None = None) -> Shape:
+    """The mesh or polygon of that name; the repairs that it needed are told on standard error."""
+    from idviewer.core import read_shape
 
-    mesh = read_mesh(path_of(name), component=component)
-    for note in mesh.notes:
+    shape = read_shape(path_of(name), component=component)
+    for note in shape.notes:
         print(f"idviewer: {name}: {note}", file=sys.stderr)
-    return mesh
+    return shape
 
 
-def point_of(text: str, option: str) -> Triple:
-    """Three coordinates.
+def point_of(text: str, option: str, dimension: int | None = None) -> Point:
+    """Coordinates: two or three, while it is not known what the shape has.
 
-    >>> point_of("-0.1,2,3e-2", "--source")
-    (-0.1, 2.0, 0.03)
+    >>> point_of("-0.1,2,3e-2", "--source"), point_of("1,2", "--to", 2)
+    ((-0.1, 2.0, 0.03), (1.0, 2.0))
     """
-    point = _three_numbers(text.split(","))
-    if point is None:
-        raise ValueError(f"{option} {text}: not a point; write three numbers, such as {option} 0.1,-0.2,0.3")
-    return point
+    cells = text.split(",")
+    point = _numbers(cells, dimension or (2 if len(cells) == 2 else 3))
+    if point is not None:
+        return point
+    example = f"such as {option} {'0.1,-0.2' if dimension == 2 else '0.1,-0.2,0.3'}"
+    if dimension is None or _numbers(cells, len(cells)) is None:
+        wanted = "two or three" if dimension is None else NUMBERS[dimension]
+        raise ValueError(f"{option} {text}: not a point; write {wanted} numbers, {example}")
+    raise ValueError(
+        f"{option} {text}: not a point of a {dimension}D shape; write {NUMBERS[dimension]} numbers, {example}"
+    )
 
 
-def source_of(text: str) -> Triple | None:
+def source_of(text: str, dimension: int | None = None) -> Point | None:
     """A source; None stands for the barycentroid."""
-    return None if text == BARYCENTROID else point_of(text, "--source")
+    return None if text == BARYCENTROID else point_of(text, "--source", dimension)
 
 
 def size_of(text: str) -> tuple[int, int]:
@@ -92,38 +103,42 @@ def size_of(text: str) -> tuple[int, int]:
     return width, height
 
 
-def points_in(path: Path) -> tuple[list[Triple], list[int], bool]:
-    """Points of a CSV file with the columns x,y,z; the line of each; whether a header names the columns."""
-    points: list[Triple] = []
+def points_in(path: Path, dimension: int) -> tuple[list[Point], list[int], bool]:
+    """Points of a CSV file, one column an axis; the line of each; whether a header names the columns."""
+    axes = AXES[:dimension]
+    columns = ",".join(axes)
+    points: list[Point] = []
     lines: list[int] = []
     header = False
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = csv.reader(file)
             for row in rows:
-                point = _three_numbers(row)
+                point = _numbers(row, dimension)
                 if point is not None:
                     points.append(point)
                     lines.append(rows.line_num)
-                elif not points and not header and [cell.strip().lower() for cell in row] == ["x", "y", "z"]:
+                elif not points and not header and tuple(cell.strip().lower() for cell in row) == axes:
                     header = True
                 elif any(cell.strip() for cell in row):
                     raise ValueError(
-                        f"{path}, line {rows.line_num}: {','.join(row)[:60]!r} is not three numbers x,y,z"
+                        f"{path}, line {rows.line_num}: {','.join(row)[:60]!r} is not "
+                        f"{NUMBERS[dimension]} numbers {columns}"
                     )
     except (UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f"{path}: not a CSV file with the columns x,y,z ({error})") from error
+        raise ValueError(f"{path}: not a CSV file with the columns {columns} ({error})") from error
     if not points:
-        raise ValueError(f"{path}: there are no points in it; write one x,y,z a line")
+        raise ValueError(f"{path}: there are no points in it; write one {columns} a line")
     return points, lines, header
 
 
-def _three_numbers(cells: list[str]) -> Triple | None:
+def _numbers(cells: list[str], count: int) -> Point | None:
+    """So many finite numbers; None if the cells hold anything else."""
     try:
-        x, y, z = map(float, cells)
+        point = tuple(map(float, cells))
     except ValueError:
         return None
-    return (x, y, z) if all(map(math.isfinite, (x, y, z))) else None
+    return point if len(point) == count and all(map(math.isfinite, point)) else None
 
 
 def check_picture_path(path: Path) -> None:

@@ -13,76 +13,109 @@ from idviewer.cli import output, words
 from idviewer.cli.options import Asked, Ends, Looks
 
 if TYPE_CHECKING:
-    from idviewer.cli.words import Triple
-    from idviewer.core import Distance, InteriorDistance, Mesh, Shape
+    from idviewer.cli.words import Point
+    from idviewer.core import Distance, InteriorDistance, Shape
     from idviewer.session.pipeline import Pipeline
     from idviewer.session.state import Frame, Query
+
+    Carried = tuple[Distance, str]
+    """A distance, and the name of the coordinates that carry it inside."""
 
 MOST_ISOLINES = 200
 
 
-def pair(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
+def pair(ends: Ends, shape: Callable[[], Shape], kind: Carried, json: bool) -> str:
     """The distance of two points, in words or JSON."""
-    points = [words.point_of(ends.from_ or "", "--from"), words.point_of(ends.to or "", "--to")]
-    made = solver()
-    _refuse_outside(made, points, ["--from", "--to"])
+    asked = {"--from": ends.from_ or "", "--to": ends.to or ""}
+    for option, text in asked.items():
+        words.point_of(text, option)  # before a large file is read
+    body = shape()
+    points = [words.point_of(text, option, body.dimension) for option, text in asked.items()]
+    made = solver_of(body, kind)
+    _refuse_outside(made, points, list(asked))
     inside, straight = float(made.distance(points[:1], points[1:])[0]), math.dist(*points)
+    tell_remarks(remarks_of(made))
     if json:
         content = {**kind_of(made), "from": points[0], "to": points[1]}
         return output.as_json({**content, "interior": inside, "euclidean": straight})
     return f"interior   {inside!r}  ({made.description})\nEuclidean  {straight!r}"
 
 
-def many(ends: Ends, solver: Callable[[], InteriorDistance], json: bool) -> str:
+def many(ends: Ends, shape: Callable[[], Shape], kind: Carried, json: bool) -> str:
     """The distances of many points from one, as a table or JSON."""
-    source = words.source_of(ends.source or "")
-    points, lines, header = words.points_in(Path(ends.points or ""))
-    made = solver()
+    words.source_of(ends.source or "")
+    body = shape()
+    source = words.source_of(ends.source or "", body.dimension)
+    points, lines, header = words.points_in(Path(ends.points or ""), body.dimension)
+    made = solver_of(body, kind)
     if source is None:
         source = tuple(made.barycentroid().point.tolist())
     places = ["--source", *(f"{ends.points}, line {n}" for n in lines)]
     _refuse_outside(made, [source, *points], places)
     distances = made.field(source, points).tolist()
+    tell_remarks(remarks_of(made))
     if json:
         content = {**kind_of(made), "source": source, "points": points}
         return output.as_json(
             {**content, "interior": distances, "euclidean": [math.dist(source, p) for p in points]}
         )
     rows = [(*point, value) for point, value in zip(points, distances, strict=True)]
-    return output.table(("x", "y", "z", "distance"), rows, header)
+    return output.table((*words.AXES[: body.dimension], "distance"), rows, header)
 
 
-def _refuse_outside(solver: InteriorDistance, points: Sequence[Triple], places: list[str]) -> None:
+def _refuse_outside(solver: InteriorDistance, points: Sequence[Point], places: list[str]) -> None:
     """An error that says which points are not in the body."""
-    mesh = solver.shape
+    shape = solver.shape
     outside = [index for index, inside in enumerate(solver.contains(points)) if not inside]
     if outside:
         more = f" (and {len(outside) - 1} more)" if len(outside) > 1 else ""
         point = output.coordinates(points[outside[0]])
-        raise ValueError(f"{places[outside[0]]}: the point {point} lies outside the mesh{more}, {_box(mesh)}")
+        what = "polygon" if shape.dimension == 2 else "mesh"
+        raise ValueError(
+            f"{places[outside[0]]}: the point {point} lies outside the {what}{more}, {_box(shape)}"
+        )
 
 
-def _box(mesh: Shape) -> str:
+def _box(shape: Shape) -> str:
     """Where the body is, for those who looked for it elsewhere."""
-    corners = ("(" + ", ".join(f"{value:.4g}" for value in corner) + ")" for corner in mesh.bounds)
+    corners = ("(" + ", ".join(f"{value:.4g}" for value in corner) + ")" for corner in shape.bounds)
     return f"whose bounding box is {' to '.join(corners)}"
 
 
-def solver_of(mesh: Mesh, distance: Distance) -> InteriorDistance:
-    """The solver of a mesh, with its eigenpairs computed."""
+def solver_of(shape: Shape, kind: Carried) -> InteriorDistance:
+    """The solver of a shape, with its eigenpairs computed; `tell_remarks` says what it warns of."""
     from idviewer.core import InteriorDistance
 
     _tell("computing the embedding; the first run also compiles kernels ...")
-    return InteriorDistance(mesh, distance)
+    solver = InteriorDistance(shape, *kind)
+    solver.coordinates.warns = False
+    return solver
+
+
+def remarks_of(solver: InteriorDistance) -> tuple[str, ...]:
+    """What there is to say of the weights that a solver found."""
+    from idviewer.session.prepared import remarks_on
+
+    return remarks_on(solver.coordinates)
+
+
+def tell_remarks(remarks: Sequence[str]) -> None:
+    """One line each on standard error."""
+    for remark in remarks:
+        print(f"idviewer: {remark}", file=sys.stderr)
 
 
 def kind_of(solver: InteriorDistance) -> dict[str, Any]:
-    """The distance's name and the values of its parameters, for JSON."""
+    """The distance's name, the values of its parameters, and the coordinates' name, for JSON."""
     from idviewer.core.distances import values_of
 
     distance = solver.distance_kind
     lambda_2 = float(solver.spectrum.values[0]) if distance.spectral else None
-    return {"distance": distance.name, **values_of(distance, lambda_2)}
+    return {
+        "distance": distance.name,
+        **values_of(distance, lambda_2),
+        "coordinates": solver.coordinates.name,
+    }
 
 
 def check(asked: Asked, looks: Looks) -> None:
@@ -95,46 +128,60 @@ def check(asked: Asked, looks: Looks) -> None:
         raise ValueError(f"--opacity {looks.opacity}: it lies between 0 (not seen) and 1")
 
 
-def draw(mesh: Mesh, out: Path, distance: Distance, asked: Asked, looks: Looks) -> None:
+def draw(shape: Shape, out: Path, kind: Carried, asked: Asked, looks: Looks) -> None:
     """Computes a picture and writes it."""
     words.need_picture_libraries()
-    from idviewer.core import Plane
-    from idviewer.session.state import Display, Query, State
+    from idviewer.session.state import Display, State
     from idviewer.view.images import write_image
 
-    planes = tuple(Plane.parse(plane, mesh.bounds) for plane in asked.plane)
-    query = Query(planes, words.source_of(asked.source), distance, asked.quantity)
+    query = query_of(shape, kind, asked)
     display = Display(isolines=looks.isolines, colormap=looks.colormap, opacity=looks.opacity)
-    frame = _frame(mesh, query)
+    frame = frame_of(shape, query)
     for text, section in zip(asked.plane, frame.slices, strict=False):
         if not len(section.points):
-            raise ValueError(f"--plane {text}: the plane misses the body, {_box(mesh)}")
-    state = State(mesh, frame.query, display)
+            raise ValueError(f"--plane {text}: the plane misses the body, {_box(shape)}")
+    state = State(shape, frame.query, display)
     try:
         write_image(out, state, frame, words.size_of(looks.size), transparent=looks.transparent)
     except RuntimeError as error:
         raise OSError(str(error)) from error
+    tell_remarks(frame.remarks)
 
 
-def _frame(mesh: Mesh, query: Query) -> Frame:
-    """What a query asks for; without a plane, on the one that the window shows first."""
+def query_of(shape: Shape, kind: Carried, asked: Asked) -> Query:
+    """What a picture is to show, checked against the shape."""
+    from idviewer.core import Plane
+    from idviewer.session.state import Query
+
+    if shape.dimension == 2 and asked.plane:
+        raise ValueError(f"--plane {asked.plane[0]}: a polygon is shown whole; leave the plane out")
+    planes = tuple(Plane.parse(plane, shape.bounds) for plane in asked.plane)
+    source = words.source_of(asked.source, shape.dimension)
+    if source is not None:
+        source = (*source, 0.0)[:3]
+    distance, coordinates = kind
+    return Query(planes, source, distance, asked.quantity, coordinates)  # type: ignore[arg-type]
+
+
+def frame_of(shape: Shape, query: Query) -> Frame:
+    """What a query asks for; of a mesh without a plane, on the one that the window shows first."""
     from idviewer.core import Plane
     from idviewer.session.pipeline import Pipeline
     from idviewer.session.session import default_plane
 
     pipeline = Pipeline()
-    if not query.planes:
-        centre = _finest(pipeline, mesh, query).barycentroid
-        query = replace(query, planes=(Plane(tuple(centre.tolist()), default_plane(mesh).normal),))
-    return _finest(pipeline, mesh, query)
+    if shape.dimension == 3 and not query.planes:
+        centre = _finest(pipeline, shape, query).barycentroid
+        query = replace(query, planes=(Plane(tuple(centre.tolist()), default_plane(shape).normal),))
+    return _finest(pipeline, shape, query)
 
 
-def _finest(pipeline: Pipeline, mesh: Mesh, query: Query) -> Frame:
+def _finest(pipeline: Pipeline, shape: Shape, query: Query) -> Frame:
     """The exact frame of a query; a person who waits at a terminal is told the stages."""
     from idviewer.session.state import Failure, Frame, FrameRequest, Progress
 
     frame, told = None, ""
-    for result in pipeline.results(FrameRequest(mesh, query)):
+    for result in pipeline.results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if isinstance(result, Progress) and result.stage != told:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.approximation import Approximation
 from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
 from idviewer.core.coordinates import coordinates_of
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.embedding import EmbeddedBoundary
 from idviewer.core.equations import by_expansion, by_gram, by_squares, extent
@@ -114,6 +115,20 @@ class InteriorDistance(EmbeddedBoundary):
         for name in ("scale", "_form", "_own_weights"):
             other.__dict__.pop(name, None)
         other.scale = distance.scale(self._spectrum)
+        return other
+
+    def with_coordinates(self, name: str) -> InteriorDistance:
+        """The same embedded boundary with other coordinates.
+
+        Args:
+            name: of the coordinates of the result.
+
+        Raises:
+            ValueError: there are none of that name, or they do not work in the shape's dimension.
+        """
+        other = copy(self)
+        other.coordinates = coordinates_of(self.shape, name)
+        other._approximations = {}
         return other
 
     def embed(self, points: ArrayLike) -> Floats:
@@ -234,8 +249,10 @@ class InteriorDistance(EmbeddedBoundary):
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Which of the points (p, 3) lie inside the mesh or on it."""
-        ones = np.ones((len(self.shape.vertices), 1))
-        return np.isfinite(finish(self.coordinates.interpolate_steps(points, ones))[:, 0])
+        ones, own = np.ones((len(self.shape.vertices), 1)), self.coordinates
+        # Others may find no weights at a point inside.
+        mean_value = own if isinstance(own, MeanValueCoordinates) else MeanValueCoordinates(self.shape)
+        return np.isfinite(finish(mean_value.interpolate_steps(points, ones))[:, 0])
 
     def field(self, source: ArrayLike, points: ArrayLike) -> Floats:
         """Distances from one source to many points.

@@ -11,7 +11,7 @@ from idviewer.core.interior import OF_A_POINT
 from idviewer.session.cloud import squares_of
 from idviewer.session.plane_samples import PlaneSamples, SampledSlice
 from idviewer.session.prepared import Prepared
-from idviewer.session.state import Frame, Point, Query, Slice
+from idviewer.session.state import FLAT, Frame, Point, Query, Slice
 
 Floats = NDArray[np.float64]
 
@@ -23,24 +23,25 @@ class Framing:
     """Makes the frames of a query.
 
     Args:
-        prepared: what is known of the mesh.
-        query: with a distance whose eigenpairs, if it needs any, are there.
+        prepared: what is known of the shape; samples and a barycentroid must be there.
+        query: what to show.
     """
 
     def __init__(self, prepared: Prepared, query: Query) -> None:
         self._prepared, self._query = prepared, query
-        self._sampled = prepared.sampled(query.distance)
+        self._sampled = prepared.sampled(query)
+        self._planes = (FLAT,) if prepared.shape.dimension == 2 else query.planes
         self.solver = self._sampled.solver.with_distance(query.distance)
 
     def prepare_steps(self) -> Generator[float, None, list[PlaneSamples]]:
-        """What sampling needs, and the samples on the query's planes."""
+        """What sampling needs, and the samples on the planes to show."""
         yield from self._sampled.sampler.prepare_steps()
-        return [self._sampled.on(plane) for plane in self._query.planes]
+        return [self._sampled.on(plane) for plane in self._planes]
 
     @property
     def settled(self) -> bool:
-        """Whether the distance's own barycentroid is known."""
-        return self._prepared.is_settled(self._query.distance)
+        """Whether the query's own barycentroid is known."""
+        return self._prepared.is_settled(self._query)
 
     @property
     def shows_barycentroid(self) -> bool:
@@ -74,7 +75,7 @@ class Framing:
             lowest = float(np.linalg.norm((yield from self._image(barycentroid, rtol)) - origin))
         drawn = tuple(
             Slice(plane, one.points, one.triangles, one.cloud.distances(solver.scale, origin), one.outline)
-            for plane, one in zip(query.planes, slices, strict=True)
+            for plane, one in zip(self._planes, slices, strict=True)
         )
         yield
         highest = self._sampled.body.farthest(solver.scale, origin)
@@ -90,15 +91,23 @@ class Framing:
             source=np.array(source),
             barycentroid=np.array(barycentroid),
             value_range=(lowest, highest),
-            title=f"Potential U ({solver.description})" if potential else solver.description,
+            title=f"Potential U ({self._description})" if potential else self._description,
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
+            remarks=self._sampled.remarks,
         )
         return _frozen(frame)
 
     def _places(self) -> tuple[Point, Point]:
         """The source and the barycentroid."""
-        barycentroid = _point(self._prepared.barycentroid(self._query.distance).point)
+        barycentroid = self._prepared.barycentroid(self._query)
         return (barycentroid if self._query.source is None else self._query.source), barycentroid
+
+    @property
+    def _description(self) -> str:
+        """The distance in words, and the coordinates where they are not the usual ones."""
+        if self._query.coordinates == Query.coordinates:
+            return self.solver.description
+        return f"{self.solver.description}; {self.solver.coordinates.title.lower()}"
 
     def _points_needed(self) -> tuple[Point, ...]:
         source, barycentroid = self._places()
@@ -109,11 +118,6 @@ class Framing:
 
     def _probed(self, one: SampledSlice) -> float:
         return float(np.sqrt(squares_of(one.probed_error, self.solver.scale, 0.0).max(initial=0.0)))
-
-
-def _point(values: Floats) -> Point:
-    x, y, z = values.tolist()
-    return x, y, z
 
 
 def _frozen(frame: Frame) -> Frame:

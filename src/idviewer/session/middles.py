@@ -37,7 +37,9 @@ class Middles:
         return Middles(self.ends[chosen], self.rows[chosen], self.expected[chosen])
 
 
-def interpolated(mesh: SliceMesh, ends: Ints, rows: Floats, telling: Floats) -> Middles:
+def interpolated(
+    mesh: SliceMesh, ends: Ints, rows: Floats, telling: Floats, linear_outline: bool = True
+) -> Middles:
     """The basis in the middles of edges, from its values at the mesh's points.
 
     Between two nodes it is a quadratic or cubic polynomial along the lattice's line through them, as far as
@@ -48,6 +50,7 @@ def interpolated(mesh: SliceMesh, ends: Ints, rows: Floats, telling: Floats) -> 
         ends: (e, 2) indices into its points.
         rows: (p, k) the basis there.
         telling: (p, c) values there that tell what an error in the rows counts.
+        linear_outline: whether rows are linear along the outline, so that interpolating there costs nothing.
     """
     lattice = ends[:, 0] >= len(mesh.section.flat)
     points, bend = _bend(mesh, ends, lattice)
@@ -55,7 +58,9 @@ def interpolated(mesh: SliceMesh, ends: Ints, rows: Floats, telling: Floats) -> 
     middle[:, :2] += 0.5
     steep[~lattice, :2] = STEEP, -STEEP
     expected = np.linalg.norm(combined(points, steep, telling), axis=1)
-    expected[_on_outline(mesh, ends)] = 0.0
+    if linear_outline:
+        expected[_on_outline(mesh, ends)] = 0.0
+    expected[np.isnan(expected)] = 0.0  # beside a point without a value there is nothing to be improved
     return Middles(ends, combined(points, middle, rows), expected)
 
 

@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Mesh, Shape
+from idviewer.core import Mesh, Polygon, Shape
 from idviewer.core.rays import Ray, crossings, middle_of_first_chord
-from idviewer.session.state import Frame, Slice
+from idviewer.session.state import FLAT, Frame, Slice
 
 Floats = NDArray[np.float64]
 _LEFT, _RIGHT, _BELOW, _ABOVE = np.array([1, 2, 4, 8], np.uint8)
@@ -48,11 +48,15 @@ def pick(shape: Shape, picker: FramePicker | None, ray: Ray, target: Target) -> 
     """(3,) the point a click means.
 
     "slice-or-body" is the point of a slice, or of the body's near surface where no slice lies under the
-    ray; "surface" is the near surface in any case; "chord" the middle of the first stretch inside.
+    ray; "surface" is the near surface in any case; "chord" the middle of the first stretch inside. In a
+    polygon it is the point under the mouse, whatever the target; None outside.
     """
-    if not isinstance(shape, Mesh):
-        probe = picker.probe(ray) if picker is not None else None
-        return probe.point if probe is not None else None
+    if isinstance(shape, Polygon):
+        distance = ray.meets(FLAT)
+        if distance is None or not shape.contains((point := ray.at(distance))[None, :2])[0]:
+            return None
+        return point * [1.0, 1.0, 0.0]
+    assert isinstance(shape, Mesh)
     if target == "chord":
         return middle_of_first_chord(shape, ray)
     if target == "slice-or-body" and picker is not None:

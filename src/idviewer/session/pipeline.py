@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Hashable, Iterator
+from collections.abc import Generator, Hashable
+from contextlib import closing
+from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, InteriorDistance, Shape, Spectrum, read_mesh
+from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
 from idviewer.core.compilation import compile_steps
 from idviewer.core.spectrum import eigenpair_steps
+from idviewer.core.threads import few_threads
 from idviewer.session.framing import Framing
 from idviewer.session.memory import give_back
 from idviewer.session.plane_samples import PlaneSamples
@@ -21,6 +24,7 @@ from idviewer.session.state import (
     FrameRequest,
     Opened,
     OpenRequest,
+    Point,
     Progress,
     Query,
     Ready,
@@ -28,14 +32,19 @@ from idviewer.session.state import (
     Result,
 )
 
-Results = Iterator[Result | None]
+Results = Generator[Result | None, None, None]
 Made = TypeVar("Made")
+
+COMPILING = "Preparing kernels (compiled once, at the first run)"
+SEARCHING = "Finding the barycentroid"
+PATIENCE = 0.3
+"""Seconds for which a polygon's progress is not told."""
 
 
 class Pipeline:
     """Answers requests; keeps what a later request can use again.
 
-    Half-done preparation of a mesh is kept when a newer query arrives, so moving a plane meanwhile does
+    Half-done preparation of a shape is kept when a newer query arrives, so moving a plane meanwhile does
     not start it anew. One thread at a time may use a pipeline.
     """
 
@@ -43,6 +52,7 @@ class Pipeline:
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
+        self._compiled = False
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -50,9 +60,10 @@ class Pipeline:
             match request:
                 case OpenRequest():
                     yield Progress(f"Reading {request.path.name}")
-                    yield Opened(read_mesh(request.path, component=request.component), request.path)
+                    yield Opened(read_shape(request.path, component=request.component), request.path)
                 case FrameRequest():
-                    yield from self._frames(request)
+                    with few_threads(request.shape):
+                        yield from _patiently(request.shape, self._frames(request))
                 case DropRequest():
                     self._preparing = None
                     if self._prepared is not None:
@@ -62,29 +73,33 @@ class Pipeline:
             OSError,
             MemoryError,
             np.linalg.LinAlgError,
-        ) as error:  # MeshError is a ValueError
+        ) as error:  # a ShapeError is a ValueError
             self._preparing = None
             yield Failure(error)
 
     def _frames(self, request: FrameRequest) -> Results:
-        distance = request.query.distance
+        query = request.query
         prepared = self._prepared
-        if prepared is None or prepared.shape is not request.shape or prepared.lacks_eigenpairs(distance):
+        if (
+            prepared is None
+            or prepared.shape is not request.shape
+            or prepared.lacks_eigenpairs(query.distance)
+        ):
             prepared = yield from self._prepare(request)
-        yield from _with_progress(_stage(distance), prepared.basis_steps(distance))
-        framing = Framing(prepared, request.query)
-        modes = len(framing.solver.spectrum.values) if distance.spectral else 0
+        yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
+        framing = Framing(prepared, query)
+        modes = len(framing.solver.spectrum.values) if query.distance.spectral else 0
         if self._told != (prepared, modes):
             self._told = (prepared, modes)
-            yield Ready(request.shape, modes, prepared.barycentroid(distance).point)
+            yield Ready(request.shape, modes, np.array(prepared.barycentroid(query)))
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         yield from _coarse_to_fine(prepared, framing, samples)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
-        mesh, key = request.shape, request.query.distance.basis_key
-        if self._preparing is None or self._preparing[:2] != (mesh, key):
-            known = self._prepared if self._prepared is not None and self._prepared.shape is mesh else None
-            self._preparing = (mesh, key, _preparation(mesh, request.query.distance, known))
+        shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
+        if self._preparing is None or self._preparing[:2] != (shape, key):
+            known = self._prepared if self._prepared is not None and self._prepared.shape is shape else None
+            self._preparing = (shape, key, self._preparation(request, known))
         steps = self._preparing[2]
         # Not `yield from`: that would close the preparation together with this request.
         while True:
@@ -94,6 +109,48 @@ class Pipeline:
                 self._prepared, self._preparing = stop.value, None
                 return stop.value
             yield progress
+
+    def _preparation(
+        self, request: FrameRequest, known: Prepared | None
+    ) -> Generator[Progress, None, Prepared]:
+        """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
+        shape, query = request.shape, request.query
+        if not self._compiled:
+            yield Progress(COMPILING)
+            for share in compile_steps():
+                yield Progress(COMPILING, share)
+            self._compiled = True
+        spectrum = (yield from _eigenpairs(shape, query.distance)) if query.distance.spectral else None
+        if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
+            give_back()
+        if known is not None:
+            known.spectrum = spectrum
+            return known
+        steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
+        solver = yield from _with_progress(_stage(query.distance), steps)
+        prepared = Prepared(solver, request.centre if _holds(shape, request.centre) else None)
+        if not prepared.has_centre:
+            yield Progress(SEARCHING)
+            for _ in prepared.settle_steps(solver):
+                yield Progress(SEARCHING)
+        return prepared
+
+
+def _holds(shape: Shape, point: Point | None) -> bool:
+    return isinstance(shape, Polygon) and point is not None and bool(shape.contains([point[:2]])[0])
+
+
+def _patiently(shape: Shape, results: Results) -> Results:
+    """Results without the progress that nobody has to wait for.
+
+    A request is left for a newer one where it reports progress. A polygon takes milliseconds: one whose
+    vertices are dragged had better be shown.
+    """
+    began = perf_counter()
+    with closing(results):
+        for result in results:
+            soon = shape.dimension == 2 and perf_counter() - began < PATIENCE
+            yield None if soon and isinstance(result, Progress) else result
 
 
 def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSamples]) -> Results:
@@ -112,7 +169,7 @@ def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSam
                 continue
         yield (yield from framing.frame_steps(slices, level))
         if not framing.settled and (framing.shows_barycentroid or level == levels - 1):
-            yield Progress("Finding the barycentroid")
+            yield Progress(SEARCHING)
             yield from prepared.settle_steps(framing.solver)
             yield (yield from framing.frame_steps(slices, level))
 
@@ -131,15 +188,15 @@ def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Ge
         yield Progress(stage, share)
 
 
-def run_to_end(mesh: Shape, query: Query) -> Frame:
+def run_to_end(shape: Shape, query: Query) -> Frame:
     """The finest, exact frame of a query, computed in this thread.
 
     Raises:
-        MeshError: the mesh cannot carry the distance.
-        QueryError: the source lies outside the mesh.
+        ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
+        QueryError: the source lies outside the shape.
     """
     last: Frame | None = None
-    for result in Pipeline().results(FrameRequest(mesh, query)):
+    for result in Pipeline().results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if isinstance(result, Frame):
@@ -148,36 +205,10 @@ def run_to_end(mesh: Shape, query: Query) -> Frame:
     return last
 
 
-def _preparation(
-    mesh: Shape, distance: Distance, known: Prepared | None
-) -> Generator[Progress, None, Prepared]:
-    """What the distance needs of the mesh before a first frame: all, or the eigenpairs that are not known."""
-    if known is None:
-        yield Progress("Preparing kernels (compiled once, at the first run)")
-        for share in compile_steps():
-            yield Progress("Preparing kernels (compiled once, at the first run)", share)
-    spectrum = (yield from _eigenpairs(mesh, distance)) if distance.spectral else None
-    give_back()
-    if known is not None:
-        known.spectrum = spectrum
-        return known
-    solver = yield from _with_progress(
-        _stage(distance), InteriorDistance.steps(mesh, distance, spectrum=spectrum)
-    )
-    yield Progress("Finding the barycentroid")
-    descent = solver.barycentroid_steps()
-    while True:
-        try:
-            next(descent)
-        except StopIteration as stop:
-            return Prepared(solver, stop.value)
-        yield Progress("Finding the barycentroid")
-
-
-def _eigenpairs(mesh: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
+def _eigenpairs(shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
     yield Progress("Computing eigenpairs", 0.0)
     share = 0.0
-    steps = eigenpair_steps(mesh, distance.cutoff)
+    steps = eigenpair_steps(shape, distance.cutoff)
     while True:
         try:
             share = max(share, next(steps) or 0.0)

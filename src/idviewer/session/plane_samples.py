@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 
@@ -9,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Mesh, Plane, Polygon, Section, Shape, polygon_section, section
-from idviewer.core.slice_mesh import SliceMesh, edges_of, slice_mesh, spacing_for, split
+from idviewer.core.slice_mesh import STEPS, SliceMesh, edges_of, slice_mesh, spacing_for, split
 from idviewer.session.cloud import Cloud
+from idviewer.session.kept_rows import KeptRows
 from idviewer.session.middles import Middles, combined, interpolated
 from idviewer.session.sampler import COARSE, FINE, Sampler
 
@@ -79,13 +81,14 @@ class PlaneSamples:
 
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
-        self.section = _section(sampler.solver.shape, plane)
+        self.section, self._spacing = _section(sampler.solver.shape, plane)
         shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
         self._outline_rows = combined(self.section.edges, shares, sampler.solver.basis)
         self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
         self.levels = self._lattices if sampler.exact_always else self._lattices + 1
-        self._spacing = spacing_for(self.section, COARSEST)
-        self._kept = _Kept(0.0, self._outline_rows.shape[1])
+        self._linear = sampler.solver.coordinates.linear_on_boundary
+        self._outlined = self._linear
+        self._kept = KeptRows(0.0, self._outline_rows.shape[1])
         self._done: tuple[int, SampledSlice] | None = None
         self._making: tuple[int, Steps] | None = None
 
@@ -116,13 +119,14 @@ class PlaneSamples:
         return self._done[1]
 
     def _make(self, level: int) -> Steps:
+        yield from self._outline()
         lattice = min(level, self._lattices - 1)
         exact = level == self.levels - 1
         mesh = slice_mesh(self.section, self._spacing / 2**lattice)
         yield
         rtol = 0.0 if exact else self._sampler.tolerance(COARSE if level < 2 else FINE, self._outline_rows)
         if rtol != self._kept.rtol:
-            self._kept = _Kept(rtol, self._outline_rows.shape[1])
+            self._kept = KeptRows(rtol, self._outline_rows.shape[1])
         inner = yield from self._rows_at(mesh.nodes, lattice)
         rows = np.concatenate([self._outline_rows, inner])
         yield
@@ -130,8 +134,15 @@ class PlaneSamples:
             return (yield from self._refined(mesh, rows))
         made = yield from self._with_band(mesh, rows, lattice, exact)
         if exact:
-            self._kept = _Kept(0.0, rows.shape[1])
+            self._kept = KeptRows(0.0, rows.shape[1])
         return made
+
+    def _outline(self) -> Generator[None, None, None]:
+        """Samples the outline where the coordinates are not linear on edges and faces."""
+        if not self._outlined:
+            rows = yield from self._sample(self.section.points)
+            self._outline_rows = np.where(np.isfinite(rows), rows, self._outline_rows)
+            self._outlined = True
 
     def _rows_at(self, nodes: Ints, level: int) -> Generator[None, None, Floats]:
         """The basis at lattice nodes of a level, sampling those that have not been."""
@@ -174,12 +185,13 @@ class PlaneSamples:
     def _refined(self, mesh: SliceMesh, rows: Floats) -> Steps:
         """The mesh with the middles of all edges added, sampled where they matter, elsewhere interpolated."""
         ends, sides = edges_of(len(rows), mesh.triangles)
-        middles = interpolated(mesh, ends, rows, self._sampler.telling(rows))
+        middles = interpolated(mesh, ends, rows, self._sampler.telling(rows), self._linear)
         yield
         chosen = _worst_and_some(_around(middles.expected, sides) * _lengths(mesh, ends))
         sampled = yield from self._rows_between(mesh, middles.at(chosen), 0)
         # Half of those sampled were the worst: the other half and the random ones tell of what is left.
         errors = (sampled - middles.rows[chosen])[(EXTRA - CHECKED) // 2 :]
+        errors = errors[np.isfinite(errors).all(axis=1)]
         middles.rows[chosen] = sampled
         yield
         return self._shown(mesh, rows, middles, split(mesh.triangles, sides + len(rows)), errors, False)
@@ -190,7 +202,7 @@ class PlaneSamples:
         band = mesh.triangles[in_band]
         ends, sides = edges_of(len(rows), band)
         steep = np.flatnonzero(ends[:, 0] < len(self._outline_rows))
-        middles = interpolated(mesh, ends[steep], rows, self._sampler.telling(rows))
+        middles = interpolated(mesh, ends[steep], rows, self._sampler.telling(rows), self._linear)
         order = np.argsort(-middles.expected, kind="stable")[: int(BAND_SHARE * len(mesh.nodes))]
         chosen = np.sort(order[middles.expected[order] > 0.0])
         added = middles.at(chosen)
@@ -206,43 +218,32 @@ class PlaneSamples:
     ) -> SampledSlice:
         points = np.concatenate([mesh.points, self.section.lift(_middle(mesh, middles.ends))])
         loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
-        cloud = Cloud(np.concatenate([rows, middles.rows]))
-        return SampledSlice(points, triangles, loops, cloud, errors, self._kept.rtol, final)
+        points, triangles, rows = _with_values(points, triangles, np.concatenate([rows, middles.rows]))
+        return SampledSlice(points, triangles, loops, Cloud(rows), errors, self._kept.rtol, final)
 
 
-class _Kept:
-    """Rows sampled at points of a plane within one tolerance, by the points' keys."""
+def _section(shape: Shape, plane: Plane) -> tuple[Section, float]:
+    """What a plane cuts out of a body, and the spacing of the coarsest lattice that fills it.
 
-    def __init__(self, rtol: float, columns: int) -> None:
-        self.rtol = rtol
-        self._keys: Ints = np.empty(0, dtype=np.int64)
-        self._order: Ints = np.empty(0, dtype=np.int64)
-        self._rows: Floats = np.empty((0, columns))
-
-    def has(self, keys: Ints) -> Bools:
-        return np.isin(keys, self._keys)
-
-    def add(self, keys: Ints, rows: Floats) -> None:
-        order = np.concatenate([self._order, np.arange(len(self._rows), len(self._rows) + len(rows))])
-        keys = np.concatenate([self._keys, keys])
-        ascending = np.argsort(keys, kind="stable")
-        self._keys, self._order = keys[ascending], order[ascending]
-        self._rows = np.concatenate([self._rows, rows])
-
-    def numbers(self, keys: Ints) -> Ints:
-        """Numbers of points in the order in which they were added."""
-        return self._order[np.searchsorted(self._keys, keys)]
-
-    def rows(self, keys: Ints) -> Floats:
-        return self._rows[self.numbers(keys)]
-
-
-def _section(shape: Shape, plane: Plane) -> Section:
-    """What a plane cuts out of a body; of a polygon, which lies in a plane of its own, all."""
+    Of a polygon, which lies in a plane of its own, it is all; edges are divided, because distances are not
+    linear along them even where the basis is.
+    """
     if isinstance(shape, Polygon):
-        return polygon_section(shape)
-    assert isinstance(shape, Mesh)
-    return section(shape, plane)
+        widest = max(math.sqrt(shape.area / COARSEST), shape.perimeter / (STEPS * COARSEST))
+        cut = polygon_section(shape, 0.5 * widest)
+    else:
+        assert isinstance(shape, Mesh)
+        cut = section(shape, plane)
+    return cut, spacing_for(cut, COARSEST)
+
+
+def _with_values(points: Floats, triangles: Ints32, rows: Floats) -> tuple[Floats, Ints32, Floats]:
+    """A mesh without the inner points whose rows are not known, and without the triangles around them."""
+    known = np.logical_and.reduce(np.isfinite(rows), axis=1)
+    if known.all():
+        return points, triangles, rows
+    number = np.cumsum(known, dtype=np.int32) - np.int32(1)
+    return points[known], number[triangles[known[triangles].all(axis=1)]], rows[known]
 
 
 def _key(nodes: Ints, level: int) -> Ints:

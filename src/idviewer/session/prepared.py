@@ -1,4 +1,4 @@
-"""What stays of a mesh between requests: eigenpairs, barycentroids, and samples that distances share."""
+"""What stays of a shape between requests: eigenpairs, barycentroids, and samples that distances share."""
 
 from __future__ import annotations
 
@@ -8,22 +8,25 @@ from collections.abc import Generator, Hashable
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Distance, InteriorDistance, Plane, Spectrum
+from idviewer.core import Coordinates, Distance, InteriorDistance, Plane, Spectrum
 from idviewer.core.barycentroid import Barycentroid
 from idviewer.core.steps import finish
 from idviewer.session.cloud import Reach
 from idviewer.session.plane_samples import PlaneSamples
-from idviewer.session.sampler import Sampler
-from idviewer.session.state import Point, QueryError
+from idviewer.session.sampler import Sampler, in_space
+from idviewer.session.state import Point, Query, QueryError
 
 Floats = NDArray[np.float64]
+Kind = tuple[Distance, str]
+"""A distance and the name of coordinates: what a barycentroid belongs to."""
 
-KEPT_PLANES, KEPT_POINTS, KEPT_BASES = 6, 8, 4
+
+KEPT_PLANES, KEPT_POINTS, KEPT_SAMPLED = 6, 8, 4
 NUMBERS = 3e7
 """Of the basis on the finest level of a slice: 240 MB."""
 
 FACE_VISITS = 1.2e9
-"""Work spent on the exact level of a slice: a few seconds on two cores."""
+"""Work spent on the exact level of a slice: a few seconds on two cores, with mean value coordinates."""
 
 SOURCE = 2e-5
 """Tolerance of a source's own sample while the exact one is not there."""
@@ -38,6 +41,8 @@ class Sampled:
 
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
+        # A warning would be lost in the compute thread; `remarks` tells instead.
+        solver.coordinates.warns = False
         self.sampler = Sampler(solver)
         self.body = Reach(solver.basis)
         self._planes: OrderedDict[Plane, PlaneSamples] = OrderedDict()
@@ -46,7 +51,8 @@ class Sampled:
     def on(self, plane: Plane) -> PlaneSamples:
         """The samples on a plane, those of the planes used last kept."""
         if plane not in self._planes:
-            visits = FACE_VISITS / len(self.solver.shape.facets)
+            effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
+            visits = FACE_VISITS / (effort * len(self.solver.shape.facets))
             finest = int(min(visits, NUMBERS / self.solver.basis.shape[1]))
             self._planes[plane] = PlaneSamples(self.sampler, plane, finest)
         self._planes.move_to_end(plane)
@@ -58,101 +64,142 @@ class Sampled:
         """Whether the exact row of a point is there, or takes no time."""
         return point in self._points or self.sampler.exact_always
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What there is to say of the samples taken so far, one sentence each."""
+        return remarks_on(self.solver.coordinates)
+
     def row_steps(self, point: Point, rtol: float = 0.0) -> Generator[None, None, Floats]:
         """The basis at a point, (k,), before it is scaled; exact unless that takes time and rtol is given.
 
         Raises:
-            QueryError: the point lies outside the mesh.
+            QueryError: the point lies outside the shape, or has no weights.
         """
         if rtol and not self.is_exact(point):
-            return _inside(finish(self.sampler.sample_steps(np.array([point]), rtol))[0], point)
+            return self._row(point, rtol)
         if point not in self._points:
             yield
-            self._points[point] = _inside(finish(self.sampler.sample_steps(np.array([point]), 0.0))[0], point)
+            self._points[point] = self._row(point, 0.0)
         self._points.move_to_end(point)
         while len(self._points) > KEPT_POINTS:
             self._points.popitem(last=False)
         return self._points[point]
 
+    def _row(self, point: Point, rtol: float) -> Floats:
+        shape, coordinates = self.solver.shape, self.solver.coordinates
+        before = coordinates.unconverged
+        row = finish(self.sampler.sample_steps(np.array([point]), rtol))[0]
+        if np.isfinite(row).all():
+            return row
+        place = ", ".join(f"{value:.6g}" for value in point[: shape.dimension])
+        if coordinates.unconverged > before:
+            raise QueryError(
+                f"{coordinates.title.lower()} were not found at the source ({place}); move it a little, "
+                "or choose other coordinates"
+            )
+        raise QueryError(
+            f"the source ({place}) lies outside the {'polygon' if shape.dimension == 2 else 'mesh'}; "
+            "choose a point inside or on it"
+        )
 
-def _inside(row: Floats, point: Point) -> Floats:
-    if not np.isfinite(row).all():
-        place = ", ".join(f"{value:.6g}" for value in point)
-        raise QueryError(f"the source ({place}) lies outside the mesh; choose a point inside or on it")
-    return row
+
+def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
+    """What there is to say of the weights found so far, one sentence each."""
+    count = coordinates.unconverged
+    points = f"{count} of the points tried" if count > 1 else "one of the points tried"
+    return (f"{coordinates.title} were not found at {points}; it has no value",) if count else ()
 
 
 class Prepared:
-    """A mesh with all that was computed of it and does not depend on the query's distance.
+    """A shape with all that was computed of it and does not depend on the query's distance or coordinates.
 
     Args:
-        solver: of the first distance asked for.
-        barycentroid: of that distance.
+        solver: of the first distance and coordinates asked for.
+        centre: what stands for the barycentroid until one is found; None if nothing does.
     """
 
-    def __init__(self, solver: InteriorDistance, barycentroid: Barycentroid) -> None:
+    def __init__(self, solver: InteriorDistance, centre: Point | None = None) -> None:
         self.shape = solver.shape
         self.spectrum: Spectrum | None = solver.spectrum if solver.distance_kind.spectral else None
         self._sampled = [Sampled(solver)]
-        self._found: dict[Distance, Barycentroid] = {solver.distance_kind: barycentroid}
-        self._latest = barycentroid
+        self._found: dict[Kind, Point] = {}
+        self._latest = centre
         self._building: tuple[Hashable, Generator[float | None, None, InteriorDistance]] | None = None
-        self._search: tuple[Distance, Generator[float | None, None, Barycentroid]] | None = None
+        self._search: tuple[Kind, Generator[float | None, None, Barycentroid]] | None = None
 
     def lacks_eigenpairs(self, distance: Distance) -> bool:
         """Whether they have to be computed for this distance."""
         return distance.spectral and self.spectrum is None
 
-    def sampled(self, distance: Distance) -> Sampled:
-        """The samples of the distance's basis, which must be there."""
-        return next(one for one in self._sampled if one.solver.shares_basis(distance))
+    def sampled(self, query: Query) -> Sampled:
+        """The samples that a query needs: of its distance's basis, by its coordinates. They must be there."""
+        found = next(one for one in self._sampled if _serves(one, query))
+        self._sampled.remove(found)
+        self._sampled.append(found)
+        return found
 
-    def basis_steps(self, distance: Distance) -> Generator[float | None, None, None]:
-        """Makes the distance's basis where it is not there; goes on where a closed attempt stopped.
+    def basis_steps(self, query: Query) -> Generator[float | None, None, None]:
+        """Makes what samples are taken of where it is not there; goes on where a closed attempt stopped.
 
-        Yields the share done, or None, every few milliseconds.
+        Other coordinates share the basis that is there. Yields the share done, or None, every few
+        milliseconds.
         """
-        if any(one.solver.shares_basis(distance) for one in self._sampled):
+        if any(_serves(one, query) for one in self._sampled):
             return
-        if self._building is None or self._building[0] != distance.basis_key:
-            steps = InteriorDistance.steps(self.shape, distance, spectrum=self.spectrum)
-            self._building = (distance.basis_key, steps)
+        for one in self._sampled:
+            if one.solver.shares_basis(query.distance):
+                self._keep(one.solver.with_coordinates(query.coordinates))
+                return
+        key = query.distance.basis_key, query.coordinates
+        if self._building is None or self._building[0] != key:
+            self._building = (
+                key,
+                InteriorDistance.steps(self.shape, query.distance, query.coordinates, self.spectrum),
+            )
         while True:
             try:
                 share = next(self._building[1])
             except StopIteration as stop:
                 self._building = None
-                self._keep(Sampled(stop.value))
+                self._keep(stop.value)
                 return
             except Exception:
                 self._building = None
                 raise
             yield share
 
-    def _keep(self, sampled: Sampled) -> None:
-        """Beside the first ones; those used longest ago make room."""
-        self._sampled.append(sampled)
-        while len(self._sampled) > KEPT_BASES:
+    def _keep(self, solver: InteriorDistance) -> None:
+        """Samples of a solver beside those that are there; those used longest ago make room."""
+        self._sampled.append(Sampled(solver))
+        while len(self._sampled) > KEPT_SAMPLED:
             self._sampled.pop(0)
 
-    def is_settled(self, distance: Distance) -> bool:
-        """Whether the distance's own barycentroid is known."""
-        return distance in self._found
+    def is_settled(self, query: Query) -> bool:
+        """Whether the barycentroid of the query's distance and coordinates is known."""
+        return _kind(query) in self._found
 
-    def barycentroid(self, distance: Distance) -> Barycentroid:
-        """The distance's own, or else the one found last."""
-        return self._found.get(distance, self._latest)
+    @property
+    def has_centre(self) -> bool:
+        """Whether there is a barycentroid to show."""
+        return self._latest is not None
+
+    def barycentroid(self, query: Query) -> Point:
+        """That of the query's distance and coordinates, or else the one found last; there must be one."""
+        found = self._found.get(_kind(query), self._latest)
+        assert found is not None
+        return found
 
     def settle_steps(self, solver: InteriorDistance) -> Generator[None, None, None]:
-        """Finds the barycentroid of the solver's distance; goes on where a closed search for it stopped."""
-        distance = solver.distance_kind
-        if self._search is None or self._search[0] != distance:
-            self._search = (distance, solver.barycentroid_steps())
+        """Finds the barycentroid of the solver; goes on where a closed search for it stopped."""
+        kind = solver.distance_kind, solver.coordinates.name
+        if self._search is None or self._search[0] != kind:
+            self._search = (kind, solver.barycentroid_steps())
         while True:
             try:
                 next(self._search[1])
             except StopIteration as stop:
-                self._found[distance] = self._latest = stop.value
+                x, y, z = in_space(stop.value.point[None])[0].tolist()
+                self._found[kind] = self._latest = x, y, z
                 self._search = None
                 return
             except Exception:
@@ -163,3 +210,12 @@ class Prepared:
     def forget_search(self) -> None:
         """Drops what was closed half-way."""
         self._search = self._building = None
+
+
+def _kind(query: Query) -> Kind:
+    return query.distance, query.coordinates
+
+
+def _serves(sampled: Sampled, query: Query) -> bool:
+    solver = sampled.solver
+    return solver.coordinates.name == query.coordinates and solver.shares_basis(query.distance)

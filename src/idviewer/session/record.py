@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from typing import Any, TextIO
 
+import numpy as np
+
 from idviewer.core import Distance, Plane, parameters_of
 from idviewer.core.distances import made
 from idviewer.core.rays import Ray
@@ -50,7 +52,7 @@ def replay(lines: Iterable[str], session: Session, settle: Callable[[], None]) -
             act = json.loads(line)
             verb = act.pop("do")
             arguments = {name: _from_plain(name, value) for name, value in act.items()}
-            if verb not in ("open", "set", "click", "cancel", "resume"):
+            if verb not in ("open", "set", "click", "reshape", "cancel", "resume"):
                 raise KeyError(verb)
         except (KeyError, TypeError, AttributeError, ValueError) as error:
             raise ValueError(
@@ -63,6 +65,8 @@ def replay(lines: Iterable[str], session: Session, settle: Callable[[], None]) -
 def _to_plain(value: Any) -> Any:
     if isinstance(value, Plane | Ray):
         return asdict(value)
+    if isinstance(value, np.ndarray):
+        return value.tolist()
     if isinstance(value, tuple):
         return [_to_plain(item) for item in value]
     if isinstance(value, Distance):

@@ -9,12 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core import DISTANCES, Distance, InteriorDistance
 from idviewer.core.distances import Number, parameters_of
+from idviewer.core.polygon_section import spatial
 from idviewer.session.memory import give_back
 
 Floats = NDArray[np.float64]
 
 QUICK_FACES = 4000
-"""On meshes up to so large, sampling exactly takes no longer than within a tolerance."""
+"""On shapes up to so large, sampling exactly takes no longer than within a tolerance."""
 
 COARSE, FINE = 2.5e-3, 3.5e-4
 """Tolerances of samples, in largest distances on the slice."""
@@ -44,8 +45,8 @@ class Sampler:
 
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
-        wide = solver.basis.shape[1] > WIDE
-        self.exact_always = wide or solver.shape.dimension == 2 or len(solver.shape.facets) <= QUICK_FACES
+        wide, small = solver.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
+        self.exact_always = wide or small or not _can_approximate(solver)
         self.ready = self.exact_always
         self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
@@ -62,7 +63,11 @@ class Sampler:
         return rows[:, self._columns] * self._scales[self._columns, 0]
 
     def sample_steps(self, points: ArrayLike, rtol: float) -> Generator[float, None, Floats]:
-        """The basis at points (p, 3), within rtol of the largest distance on the mesh; 0 is exact."""
+        """The basis at points (p, 3), within rtol of the largest distance on the shape; 0 is exact.
+
+        A polygon's points lie in the plane z = 0.
+        """
+        points = np.asarray(points)[:, : self.solver.shape.dimension]
         if self.exact_always or rtol == 0.0:
             return (yield from self.solver.sample_steps(points, rtol=0.0))
         return (yield from self.solver.sample_steps(points, rtol=rtol, weights=self._weights))
@@ -89,7 +94,7 @@ class Sampler:
             yield share
 
     def _prepare(self) -> Generator[float, None, None]:
-        point, tolerances = self.solver.shape.vertices[:1], (LOOSEST, FINE, FINEST)
+        point, tolerances = in_space(self.solver.shape.vertices[:1]), (LOOSEST, FINE, FINEST)
         for done, rtol in enumerate(tolerances):
             for share in self.sample_steps(point, rtol):
                 yield (done + min(share, 1.0)) / len(tolerances)
@@ -99,6 +104,22 @@ class Sampler:
         """How far the images of rows lie from their mean, for each of the common distances."""
         off = rows - rows.mean(axis=0)
         return np.sqrt(np.max(off**2 @ self._scales**2, axis=0))
+
+
+def in_space(points: ArrayLike) -> Floats:
+    """Points (p, 3) as they are; points of a polygon, (p, 2), in the plane z = 0.
+
+    >>> in_space([[1.0, 2.0]]).tolist()
+    [[1.0, 2.0, 0.0]]
+    """
+    points = np.asarray(points, dtype=np.float64)
+    return spatial(points) if points.shape[1] == 2 else points
+
+
+def _can_approximate(solver: InteriorDistance) -> bool:
+    """Whether the solver's coordinates can be evaluated within a tolerance."""
+    basis = solver.basis
+    return solver.coordinates.approximation(basis, np.ones(basis.shape[1])) is not None
 
 
 def _common(solver: InteriorDistance) -> list[Distance]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from weakref import WeakSet
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from idviewer.core import Diffusion, Plane, Shape
+from idviewer.core import Diffusion, Plane, Polygon, Shape
 from idviewer.core.distances import missing, with_defaults
 from idviewer.core.plane import AXES
 from idviewer.core.rays import Ray
@@ -43,13 +45,14 @@ class Session:
         work: answers requests in the compute thread; a `Pipeline` by default.
 
     Attributes:
-        state: the mesh, the query and the display.
-        frame: the last frame of this mesh; None until there is one.
-        ready: modes and barycentroid of this mesh; None until they are known.
+        state: the shape, the query and the display.
+        frame: the last frame of this shape; None until there is one. While vertices are dragged, its shape
+            may still be the one before.
+        ready: modes and barycentroid of this shape; None until they are known.
         busy: whether something is being computed or read.
         changed: Signal(old, new) after each change of the state.
-        opened: Signal(mesh, path), after `changed`; path is None for a mesh handed over.
-        readied: Signal(ready), once for each mesh, and again when another distance uses other modes.
+        opened: Signal(shape, path), after `changed`; path is None for a shape handed over.
+        readied: Signal(ready), once for each shape, and again when another distance uses other modes.
         framed: Signal(frame) for each frame to draw.
         progressed: Signal(progress) while work goes on, Signal(None) when it ends.
         failed: Signal(error) when something asked for could not be done.
@@ -66,20 +69,22 @@ class Session:
         self._picker: FramePicker | None = None
         self._opening: OpenRequest | None = None
         self._asked: FrameRequest | None = None
+        self._forms: WeakSet[Shape] = WeakSet()
+        """The shape that was opened, and what became of it by moving its vertices."""
         self._cancelled = False
         self._closed = False
         self._runner = Runner(work or Pipeline().results, self._receive, post)
 
     def open(self, path: str | Path, component: int | None = None) -> None:
-        """Read a mesh in the compute thread and show it; on failure everything stays as it was."""
+        """Read a shape in the compute thread and show it; on failure everything stays as it was."""
         self.acted.emit("open", {"path": str(path), "component": component})
         self._opening = OpenRequest(Path(path), component)
         self._start(self._opening)
 
-    def show(self, mesh: Shape) -> None:
-        """Show a mesh that is in memory; planes, source and the distance's parameters become the defaults."""
+    def show(self, shape: Shape) -> None:
+        """Show a shape in memory; planes, source and the distance's parameters become the defaults."""
         self._opening = None
-        self._show(mesh, None)
+        self._show(shape, None)
 
     def set(self, **fields: object) -> None:
         """Change fields of the query or the display, by name; equal values do nothing.
@@ -92,6 +97,31 @@ class Session:
             return
         self.acted.emit("set", fields)
         self._change(new)
+
+    def reshape(self, vertices: ArrayLike) -> None:
+        """Move the vertices of the polygon shown; a source that this leaves outside becomes the barycentroid.
+
+        The query stays, and so does the last frame until the first of the new polygon: each started one goes
+        out, also if the vertices have been moved again meanwhile.
+
+        Args:
+            vertices: (n, 2), as many as there are.
+
+        Raises:
+            PolygonError: they make no simple polygon; the state stays as it was.
+            ValueError: what is shown is no polygon.
+        """
+        shape, source = self.state.shape, self.state.query.source
+        if not isinstance(shape, Polygon):
+            raise ValueError("only the vertices of a polygon can be moved; open one first")
+        polygon = shape.with_vertices(vertices)
+        if np.array_equal(polygon.vertices, shape.vertices):
+            return
+        self.acted.emit("reshape", {"vertices": polygon.vertices})
+        if source is not None and not polygon.contains([source[:2]])[0]:
+            source = None
+        self._forms.add(polygon)
+        self._change(replace(self.state, shape=polygon, query=replace(self.state.query, source=source)))
 
     def click(self, ray: Ray, target: Target = "slice-or-body") -> None:
         """Set the source where the ray meets a slice or the body; nothing happens where it misses."""
@@ -128,17 +158,19 @@ class Session:
         self._closed = True
         self._runner.close()
 
-    def _show(self, mesh: Shape, path: Path | None) -> None:
+    def _show(self, shape: Shape, path: Path | None) -> None:
         self.frame = self.ready = self._picker = None
         self._cancelled = False
-        # A plane, a source and a diffusion time mean nothing on another mesh.
+        self._forms = WeakSet([shape])
+        # A plane, a source and a diffusion time mean nothing on another shape.
         distance = with_defaults(self.state.query.distance)
         if missing(distance):
             distance = Diffusion()
-        query = replace(self.state.query, planes=(default_plane(mesh),), source=None, distance=distance)
+        planes = (default_plane(shape),) if shape.dimension == 3 else ()
+        query = replace(self.state.query, planes=planes, source=None, distance=distance)
         display = replace(self.state.display, active_plane=0)
-        self._change(State(mesh, query, display))
-        self.opened.emit(mesh, path)
+        self._change(State(shape, query, display))
+        self.opened.emit(shape, path)
 
     def _change(self, new: State) -> None:
         old, self.state = self.state, new
@@ -149,9 +181,12 @@ class Session:
             self._compute()
 
     def _compute(self) -> None:
-        # While a mesh is being read, its request must not be replaced; afterwards the state is computed.
-        if self.state.shape is not None and self._opening is None:
-            self._asked = FrameRequest(self.state.shape, self.state.query)
+        # While a shape is being read, its request must not be replaced; afterwards the state is computed.
+        shape = self.state.shape
+        if shape is not None and self._opening is None:
+            moved = self.frame is not None and self.frame.shape is not shape
+            x, y, z = self.frame.barycentroid.tolist() if self.frame is not None else (0.0, 0.0, 0.0)
+            self._asked = FrameRequest(shape, self.state.query, (x, y, z) if moved else None)
             self._start(self._asked)
 
     def _start(self, request: Request) -> None:
@@ -182,17 +217,12 @@ class Session:
         if isinstance(request, OpenRequest):
             return request is self._opening
         # A frame of an older query is still wanted: it is all there is to see during a fast drag.
-        return (
-            isinstance(request, FrameRequest)
-            and request.shape is self.state.shape
-            and self._asked is not None
-        )
+        return isinstance(request, FrameRequest) and request.shape in self._forms and self._asked is not None
 
     def _accept_ready(self, ready: Ready) -> None:
         self.ready = ready
-        mesh = ready.shape
         self.readied.emit(ready)
-        if self.state.query.planes == (default_plane(mesh),):
+        if ready.shape.dimension == 3 and self.state.query.planes == (default_plane(ready.shape),):
             # Where the user has not chosen a plane, show the one through the shape's centre.
             x, y, z = ready.barycentroid.tolist()
             self._change(self.state.with_(planes=(Plane((x, y, z), self.state.query.planes[0].normal),)))
@@ -222,7 +252,10 @@ class Session:
             self._change(replace(self.state, query=self.frame.query))
 
     def _complete(self) -> bool:
-        return self.frame is not None and self.frame.exact and self.frame.query == self.state.query
+        frame = self.frame
+        if frame is None or frame.shape is not self.state.shape:
+            return False
+        return frame.exact and frame.query == self.state.query
 
     def _finish(self) -> None:
         self.busy = False
@@ -230,7 +263,7 @@ class Session:
 
 
 def default_plane(mesh: Shape) -> Plane:
-    """The plane through the middle of the bounding box, across its shortest side: the broadest view.
+    """The plane through the middle of a mesh's bounding box, across its shortest side: the broadest view.
 
     Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
     """

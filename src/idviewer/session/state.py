@@ -17,6 +17,9 @@ from idviewer.core import Diffusion, Distance, Plane, Shape
 Quantity = Literal["distance", "potential"]
 Point = tuple[float, float, float]
 
+FLAT = Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+"""Where a polygon lies: the plane z = 0."""
+
 
 class QueryError(ValueError):
     """A query that has no answer; one line says why."""
@@ -27,16 +30,18 @@ class Query:
     """What to compute.
 
     Attributes:
-        planes: the slicing planes, each giving one slice.
-        source: where distances are measured from; None stands for the barycentroid.
+        planes: the slicing planes, each giving one slice; a polygon has one slice, in `FLAT`, in any case.
+        source: where distances are measured from, with z = 0 in a polygon; None stands for the barycentroid.
         distance: the boundary distance that is carried inside.
         quantity: "distance" from the source, or the barycentroid's "potential" U.
+        coordinates: the name of the coordinates that carry it.
     """
 
     planes: tuple[Plane, ...] = ()
     source: Point | None = None
     distance: Distance = field(default_factory=Diffusion)
     quantity: Quantity = "distance"
+    coordinates: str = "mean_value"
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,7 @@ class Display:
 
 @dataclass(frozen=True)
 class State:
-    """A mesh (None before the first one is open), a query and a display."""
+    """A shape (None before the first one is open), a query and a display."""
 
     shape: Shape | None = None
     query: Query = field(default_factory=Query)
@@ -94,6 +99,8 @@ class Slice:
         triangles: (t, 3) indices into points, facing along the plane's normal.
         values: (p,) the frame's quantity at the points.
         outline: index arrays into points, one closed loop each (the first index is not repeated).
+
+    Of a polygon, which is one slice in `FLAT`, all points have z = 0.
     """
 
     plane: Plane
@@ -110,7 +117,7 @@ class Frame:
     Attributes:
         shape: the shape it belongs to.
         query: the query it answers.
-        slices: one for each plane of the query.
+        slices: one for each plane of the query; of a polygon one.
         level: 0 for the coarsest; a finer level adds samples.
         exact: whether no better frame will come: every value is a direct computation, nothing interpolated,
             and the barycentroid is that of the query's distance.
@@ -120,8 +127,9 @@ class Frame:
             distance shown before, and the source with it.
         value_range: smallest and largest value over the whole body: what the colours span.
         title: names the quantity and its parameters, for the scale bar.
-        lambda_2: the mesh's first non-zero eigenvalue, which a distance's parameters are measured by; None
+        lambda_2: the shape's first non-zero eigenvalue, which a distance's parameters are measured by; None
             while no eigenpairs are there.
+        remarks: what the user has to know of the values, one sentence each.
     """
 
     shape: Shape
@@ -135,6 +143,7 @@ class Frame:
     value_range: tuple[float, float]
     title: str
     lambda_2: float | None = None
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -147,7 +156,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class Opened:
-    """A mesh was read from path."""
+    """A shape was read from path."""
 
     shape: Shape
     path: Path
@@ -155,7 +164,7 @@ class Opened:
 
 @dataclass(frozen=True)
 class Ready:
-    """The embedding of mesh is there: its number of modes (0 without eigenpairs) and a barycentroid."""
+    """A shape's embedding is there: its number of modes (0 without eigenpairs) and (3,) a barycentroid."""
 
     shape: Shape
     modes: int
@@ -176,7 +185,7 @@ class Finished:
 
 @dataclass(frozen=True)
 class OpenRequest:
-    """Read a mesh; of several components, the component-th largest (counted from 1)."""
+    """Read a mesh or a polygon; of a mesh's components, the component-th largest (counted from 1)."""
 
     path: Path
     component: int | None = None
@@ -184,10 +193,18 @@ class OpenRequest:
 
 @dataclass(frozen=True)
 class FrameRequest:
-    """Compute frames of a mesh, coarse to fine."""
+    """Compute frames of a shape, coarse to fine.
+
+    Attributes:
+        shape: the shape.
+        query: what to compute.
+        centre: the barycentroid before the shape's vertices were moved; it stands for the new one, if it is
+            inside, until that is found.
+    """
 
     shape: Shape
     query: Query
+    centre: Point | None = None
 
 
 @dataclass(frozen=True)

@@ -97,6 +97,7 @@ class MaximumEntropyCoordinates(Coordinates):
         if failed.any():
             result[inside[failed]] = np.nan
             self.unconverged += int(failed.sum())
+        if failed.any() and self.warns:
             worst = np.nanmax(residuals[failed], initial=0.0)
             warnings.warn(
                 f"maximum entropy coordinates of {failed.sum()} points not found (sum w v misses p by up to "

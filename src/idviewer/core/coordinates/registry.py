@@ -42,6 +42,8 @@ class Coordinates:
         linear_on_boundary: whether on edges and faces it interpolates their ends linearly, so that it is
             enough to know a section's outline at the vertices.
         pairs_in_a_step: points times vertices that are worked on between two checkpoints, 5 to 10 ms.
+        unconverged: at how many points inside, of all so far, no weights were found.
+        warns: whether a warning tells of them; to be switched off by who reads `unconverged` instead.
 
     Raises:
         ValueError: it does not work in the shape's dimension.
@@ -54,6 +56,8 @@ class Coordinates:
     properties: ClassVar[frozenset[Property]]
     linear_on_boundary: ClassVar[bool] = True
     pairs_in_a_step: ClassVar[float] = 1e6
+    unconverged = 0
+    warns = True
 
     def __init__(self, shape: Shape) -> None:
         if shape.dimension not in self.dimensions:

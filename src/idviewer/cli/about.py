@@ -1,0 +1,111 @@
+"""What the command line tells of a file: sizes, what is wrong, and whether it can be used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from idviewer.cli import output
+
+if TYPE_CHECKING:
+    from idviewer.core import Polygon
+    from idviewer.core.diagnosis import Diagnosis
+
+WIDTH = 16
+
+
+def is_polygon(path: Path) -> bool:
+    """Whether a file of that name holds a polygon."""
+    from idviewer.core.polygon_io import POLYGON_SUFFIXES
+
+    return path.suffix.lower() in POLYGON_SUFFIXES and not path.is_dir()
+
+
+def mesh(name: str, path: Path, json: bool) -> tuple[str, bool]:
+    """The report on a mesh, in words or JSON, and whether it can be used."""
+    from idviewer.core.io import inspect_file
+
+    diagnosis = inspect_file(path)
+    text = output.as_json({"mesh": name, **diagnosis.as_dict()}) if json else _report(name, diagnosis)
+    return text, diagnosis.usable
+
+
+def polygon(name: str, path: Path, json: bool) -> tuple[str, bool]:
+    """The report on a polygon, in words or JSON, and whether it can be used."""
+    from idviewer.core import PolygonError, read_polygon
+
+    try:
+        made = read_polygon(path)
+    except PolygonError as error:
+        problem = str(error)
+        if json:
+            return output.as_json({"polygon": name, "usable": False, "problem": problem}), False
+        return "\n".join([name, _line("problem", problem), _line("usable", "no")]), False
+    if json:
+        return output.as_json({"polygon": name, "usable": True, **_polygon_sizes(made)}), True
+    sizes = (
+        ("vertices", f"{len(made.vertices):,}"),
+        ("loops", f"{len(made.loops)} ({_holes(made)})"),
+        ("bounding box", _box(made.bounds.tolist())),
+        ("area", f"{made.area:.6g}"),
+        ("perimeter", f"{made.perimeter:.6g}"),
+    )
+    notes = [_line("note", note) for note in made.notes] or [_line("faults", "none")]
+    return "\n".join([name, *(_line(*size) for size in sizes), *notes, _line("usable", "yes")]), True
+
+
+def _polygon_sizes(made: Polygon) -> dict[str, object]:
+    return {
+        "vertices": len(made.vertices),
+        "loops": [len(loop) for loop in made.loops],
+        "area": made.area,
+        "perimeter": made.perimeter,
+        "bounds": made.bounds,
+        "notes": made.notes,
+    }
+
+
+def _holes(made: Polygon) -> str:
+    count = len(made.loops) - 1
+    return f"{count} hole{'' if count == 1 else 's'}" if count else "no holes"
+
+
+def _line(title: str, value: str) -> str:
+    return f"  {title:<{WIDTH}}{value}"
+
+
+def _box(corners: Iterable[Iterable[float]]) -> str:
+    lower, upper = ("(" + ", ".join(f"{value:.6g}" for value in corner) + ")" for corner in corners)
+    return f"{lower} to {upper}"
+
+
+def _report(name: str, diagnosis: Diagnosis) -> str:
+    lines = [name, *(f"  {title:<{WIDTH}}{value}" for title, value in _sizes(diagnosis))]
+    for finding in diagnosis.findings:
+        fate = (
+            finding.remedy or "cannot be mended"
+            if finding.fatal
+            else f"is {finding.repair} when it is opened"
+        )
+        lines.append(f"  {'problem' if finding.fatal else 'note':<{WIDTH}}{finding.message}; {fate}")
+    if not diagnosis.findings:
+        lines.append(f"  {'faults':<{WIDTH}}none")
+    lines.append(f"  {'usable':<{WIDTH}}{'yes' if diagnosis.usable else 'no'}")
+    return "\n".join(lines)
+
+
+def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
+    yield "vertices", f"{diagnosis.vertices:,}"
+    yield "faces", f"{diagnosis.faces:,}"
+    yield "edges", f"{diagnosis.edges:,}"
+    yield "components", f"{len(diagnosis.components)}"
+    if diagnosis.genus is not None:
+        yield "genus", f"{diagnosis.genus}"
+    if diagnosis.boundary_loops:
+        yield "boundary loops", f"{diagnosis.boundary_loops}"
+    if diagnosis.bounds is not None:
+        yield "bounding box", _box(diagnosis.bounds)
+    yield "area", f"{diagnosis.area:.6g}"
+    if diagnosis.volume is not None:
+        yield "volume", f"{diagnosis.volume:.6g}"

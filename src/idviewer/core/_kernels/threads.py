@@ -1,0 +1,17 @@
+"""How many threads the parallel kernels use."""
+
+from __future__ import annotations
+
+import numba
+
+
+def use_threads(count: int) -> int:
+    """Has kernels that this thread calls use so many threads; returns how many they used before.
+
+    >>> before = use_threads(1)
+    >>> use_threads(before)
+    1
+    """
+    before = int(numba.get_num_threads())
+    numba.set_num_threads(count)
+    return before
