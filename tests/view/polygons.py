@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 from tests.view.frames import Values, along_x, frame
 
-from idviewer.core import Polygon, polygon_section, slice_mesh, write_polygon
+from idviewer.core import Polygon, polygon_section, write_polygon
+from idviewer.core.slice_mesh import slice_mesh
 from idviewer.session.state import FLAT, Frame, Slice
 
 
@@ -24,7 +25,7 @@ def star(points: int = 5, between: int = 4, name: str = "star") -> Polygon:
 def write_star(folder: Path, name: str = "star.csv") -> Path:
     """A file with the star."""
     path = folder / name
-    write_polygon(path, star())
+    write_polygon(star(), path)
     return path
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -99,9 +100,7 @@ def test_nothing_of_a_polygon_stays_with_a_body(scene: Stage, tetrahedron: Mesh)
 
 @pytest.fixture
 def tetrahedron() -> Mesh:
-    return Mesh(
-        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    )
+    return Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 
 
 # Pictures
@@ -137,7 +136,8 @@ def test_the_default_view_looks_straight_down() -> None:
 
 
 def test_a_transparent_picture_is_clear_around_and_in_the_hole(tmp_path: Path) -> None:
-    write_image(tmp_path / "ring.png", shown(RING), flat_frame(RING), (200, 200), transparent=True)
+    frame = flat_frame(RING, source=np.array([0.0, 0.75, 0.0]))
+    write_image(tmp_path / "ring.png", shown(RING), frame, (200, 200), transparent=True)
     with Image.open(tmp_path / "ring.png") as file:
         picture = np.asarray(file)
     assert picture.shape == (200, 200, 4)
@@ -155,8 +155,6 @@ def test_size_and_place_do_not_matter(scale: float, offset: float) -> None:
         frame = flat_frame(RING, source=np.array([0.0, 0.75, 0.0]))
         section = frame.slices[0]
         moved = section.points * scale + offset * np.array([1, 1, 0])
-        from dataclasses import replace
-
         changed = replace(
             frame,
             shape=polygon,
@@ -165,7 +163,5 @@ def test_size_and_place_do_not_matter(scale: float, offset: float) -> None:
         )
         return image(shown(polygon, isolines=10), changed, (200, 200)).astype(int)
 
-    different = np.abs(picture(RING) - picture(Polygon(RING.vertices * scale + offset))).max(axis=2) > 40
-    if (scale, offset) == (1.0, 0.0):
-        assert not different.any()
+    different = np.abs(picture(RING) - picture(Polygon(RING.vertices * scale + offset, RING.loops))).max(axis=2) > 40
     assert different.mean() < 0.02
