@@ -68,7 +68,7 @@ def frame(
 ) -> Frame:
     """A frame of these slices with its source and barycentroid at the origin."""
     made = Frame(
-        mesh=mesh,
+        shape=mesh,
         query=Query(planes=tuple(section.plane for section in slices), source=(0.0, 0.0, 0.0)),
         slices=slices,
         level=0,

@@ -30,7 +30,8 @@ from tests.view.windows import (
 from trimesh import Trimesh
 
 from idviewer.session.pipeline import Pipeline
-from idviewer.view.window import EMPTY_HINT, HINT, MainWindow
+from idviewer.view.status_line import EMPTY_HINT, HINT
+from idviewer.view.window import MainWindow
 
 pytestmark = pytest.mark.slow
 

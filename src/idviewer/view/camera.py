@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.rays import Ray
+from idviewer.view.flat import in_space
 
 Vector = NDArray[np.float64]
 View = Literal["front", "back", "left", "right", "top", "bottom"]
@@ -16,6 +17,8 @@ View = Literal["front", "back", "left", "right", "top", "bottom"]
 AXES = np.eye(3)
 MARGIN = 1.08
 """Free space around a shape that fills the window."""
+ANGLE = 30.0
+"""Vertical field of view in degrees; in a parallel projection, that of the focal point's depth."""
 NEAREST, FARTHEST = 0.02, 20.0
 """How near and how far the eye may go, in lengths of the bounding box's diagonal."""
 
@@ -32,6 +35,11 @@ class Pose:
     def distance(self) -> float:
         """From the eye to the focal point."""
         return float(np.linalg.norm(self.position - self.focal))
+
+    @property
+    def half_height(self) -> float:
+        """Of what a picture shows at the focal point's depth, and at any depth in a parallel projection."""
+        return self.distance * float(np.tan(np.radians(ANGLE / 2)))
 
     @property
     def axes(self) -> tuple[Vector, Vector, Vector]:
@@ -174,10 +182,11 @@ def view_direction(view: View, pole: Vector) -> Vector:
 
 
 def look(direction: Vector, up: Vector, points: Vector, angle: float, aspect: float) -> Pose:
-    """The pose that looks along direction and has the points (p, 3) fill the picture.
+    """The pose that looks along direction and has the points, (p, 3) or a polygon's (p, 2), fill the picture.
 
     angle is the vertical field of view in radians, aspect the picture's width over its height.
     """
+    points = in_space(points)
     corner = points.min(0)
     axes = np.array(Pose(corner - unit(direction), corner, up).axes)
     extent = (points - corner) @ axes.T

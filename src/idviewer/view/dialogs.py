@@ -24,7 +24,8 @@ from PySide6.QtWidgets import (
 
 from idviewer import __version__
 
-MESH_FILES = "Meshes (*.off *.obj *.ply *.stl *.glb *.vtp);;All files (*)"
+MESHES, POLYGONS = "*.off *.obj *.ply *.stl *.glb *.vtp", "*.csv *.svg *.json"
+SHAPE_FILES = f"Shapes ({MESHES} {POLYGONS});;Meshes ({MESHES});;Polygons ({POLYGONS});;All files (*)"
 ABOUT = """<h3>idviewer {version}</h3>
 <p>Distances inside shapes: it carries a distance between points of a surface to the points inside,
 and shows it on slices.</p>
@@ -132,8 +133,8 @@ def _pixels() -> QSpinBox:
 
 
 def open_dialog(folder: str, parent: QWidget) -> QFileDialog:
-    """Asks for a mesh; its `fileSelected` says which."""
-    dialog = QFileDialog(parent, "Open a mesh", folder, MESH_FILES)
+    """Asks for a mesh or a polygon; its `fileSelected` says which."""
+    dialog = QFileDialog(parent, "Open a mesh or a polygon", folder, SHAPE_FILES)
     dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
     return dialog
 

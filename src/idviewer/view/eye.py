@@ -10,7 +10,8 @@ from pyvistaqt import QtInteractor
 from idviewer.core import Plane, Shape
 from idviewer.view import camera
 from idviewer.view.camera import Pose, Projection
-from idviewer.view.images import default_camera
+from idviewer.view.flat import is_flat
+from idviewer.view.images import default_camera, place_camera
 
 BAR_SPACE = 180
 """Device-independent pixels at the right that a whole view leaves to the scale bar."""
@@ -26,6 +27,7 @@ class Eye:
     def __init__(self, plotter: QtInteractor, request_draw: Callable[[], None]) -> None:
         self._plotter, self._request_draw = plotter, request_draw
         self._pole = camera.AXES[1]
+        self._flat = False
         self.beside_bar = True
 
     @property
@@ -47,16 +49,13 @@ class Eye:
     def stand(self, pose: Pose) -> None:
         """Puts the camera there."""
         renderer = self._plotter.renderer
-        eye = renderer.GetActiveCamera()
-        eye.SetPosition(*pose.position)
-        eye.SetFocalPoint(*pose.focal)
-        eye.SetViewUp(*pose.up)
+        place_camera(renderer, pose, self._flat)
         renderer.camera_set = True
-        renderer.ResetCameraClippingRange()
         self._request_draw()
 
     def reset(self, mesh: Shape, plane: Plane | None) -> None:
-        """Shows a whole shape from the side where it begins."""
+        """Shows a whole shape from the side where it begins, a polygon flat."""
+        self._flat = is_flat(mesh)
         position, focal, up = default_camera(mesh, plane, self._aspect)
         self._pole = camera.nearest_axis(up)
         self._stand_beside_bar(Pose(np.array(position), np.array(focal), np.array(up)))

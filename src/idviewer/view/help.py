@@ -23,6 +23,15 @@ SHEET: dict[str, tuple[tuple[str, str], ...]] = {
         ("T", "put the plane through the source"),
         ("H", "show or hide the handle"),
     ),
+    "Polygon": (
+        ("Drag a vertex", "reshape the polygon: the distances follow"),
+        ("Shift + drag a vertex", "softly: its neighbours along the outline come with it"),
+        ("Click a vertex", "put the source on it"),
+        ("Esc", "while dragging: back to where the vertex was"),
+        ("Ctrl + Z / Ctrl + Shift + Z", "take a move of a vertex back; make it again"),
+        ("Drag elsewhere", "shift the picture"),
+        ("H", "show or hide the vertices"),
+    ),
     "Camera": (
         ("Drag", "turn"),
         ("Shift + drag, middle or right drag", "shift"),
@@ -33,7 +42,7 @@ SHEET: dict[str, tuple[tuple[str, str], ...]] = {
         ("R", "reset the view"),
     ),
     "Program": (
-        ("Ctrl + O", "open a mesh; dropping a file on the window does the same"),
+        ("Ctrl + O", "open a mesh or a polygon; dropping a file on the window does the same"),
         ("Ctrl + S", "save a picture"),
         ("U", "distance or potential"),
         ("Esc", "cancel the computation"),

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from PIL import Image
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
-from vtkmodules.vtkRenderingCore import vtkRenderWindow
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow, vtkTextureObject
 
-from idviewer.view.camera import look, rotate, unit
+from idviewer.view.camera import ANGLE, Pose, look, pan, rotate, unit
+from idviewer.view.flat import DOWN, NORTH, is_flat
 from idviewer.view.scene import POINTS_PER_INCH, Scene
 
 if TYPE_CHECKING:
@@ -34,8 +35,6 @@ WINDOW = (1280, 900)
 """A picture of this size looks like the window; in a larger one, lines and letters grow with it."""
 READABLE, ROOM = 0.85, (500, 360)
 """In a smaller one they do not shrink further than this, until the scale bar has no room left."""
-ANGLE = 30.0
-"""Vertical field of view in degrees."""
 OBLIQUE = (20.0, 15.0)
 """Degrees that the first view of a plane is turned sideways and upwards from its normal, 25 in all."""
 BAR = 150.0
@@ -57,7 +56,8 @@ def image(
         state: the shape, and how it is displayed.
         frame: what was computed for it; None draws the shape alone.
         size: width and height in pixels.
-        camera: position, focal point and up vector; `default_camera` of the first plane if None.
+        camera: position, focal point and up vector; `default_camera` of the first plane if None. Polygons
+            are seen in parallel projection, as large as they were from there at the focal point's depth.
         transparent: whether the background is left out; otherwise it is white.
 
     Returns:
@@ -71,16 +71,18 @@ def image(
         raise ValueError(f"a picture cannot have {size[0]} x {size[1]} pixels")
     scale = _scale(size)
     if camera is None and state.shape is not None:
-        planes = frame.query.planes if frame is not None else state.query.planes
-        free = 2 * BAR * scale if frame is not None and state.display.scale_bar else 0.0
-        aspect = max(size[0] - free, 0.5 * size[0]) / size[1]
-        camera = default_camera(state.shape, planes[0] if planes else None, aspect)
+        bar = BAR * scale if frame is not None and state.display.scale_bar else 0.0
+        camera = _camera(
+            state.shape, frame.query.planes if frame is not None else state.query.planes, size, bar
+        )
     with _plotter(size, round(scale * POINTS_PER_INCH)) as plotter:
         scene = Scene(plotter)
         try:
             scene.show(state)
             scene.show_frame(frame)
-            _prepare(plotter, camera, transparent)
+            _prepare(plotter, transparent)
+            if camera is not None:
+                place_camera(plotter.renderer, Pose(*map(np.array, camera)), parallel=is_flat(state.shape))
             return _read(plotter, transparent)
         finally:
             scene.close()
@@ -121,14 +123,19 @@ def default_camera(
 ) -> tuple[Point, Point, Point]:
     """The first view: the whole body, a little obliquely from the side that the plane's normal points to.
 
+    A polygon is looked straight down on.
+
     Args:
-        mesh: the body.
+        mesh: the body, or a polygon.
         plane: the plane to look at; None looks along -y.
         aspect: the picture's width over its height.
 
     Returns:
         Position, focal point and up vector. Up is z, or y where the normal is near z.
     """
+    if is_flat(mesh):
+        pose = look(DOWN, NORTH, mesh.vertices, np.radians(ANGLE), aspect)
+        return _point(pose.position), _point(pose.focal), _point(pose.up)
     normal = np.array(plane.normal if plane is not None else (0.0, -1.0, 0.0))
     up = np.array((0.0, 1.0, 0.0) if abs(normal[2]) > 0.9 else (0.0, 0.0, 1.0))
     sideways, upwards = np.radians(OBLIQUE)
@@ -136,6 +143,34 @@ def default_camera(
     eye = rotate(rotate(normal, right, -upwards), np.cross(normal, right), sideways)
     pose = look(-eye, up, mesh.vertices, np.radians(ANGLE), aspect)
     return _point(pose.position), _point(pose.focal), _point(pose.up)
+
+
+def place_camera(renderer: vtkRenderer, pose: Pose, parallel: bool) -> None:
+    """Has a renderer look from there, perspectively or not."""
+    eye = renderer.GetActiveCamera()
+    eye.SetPosition(*pose.position)
+    eye.SetFocalPoint(*pose.focal)
+    eye.SetViewUp(*pose.up)
+    eye.SetViewAngle(ANGLE)
+    eye.SetParallelProjection(parallel)
+    if parallel:
+        eye.SetParallelScale(pose.half_height)
+        # What is flat has no depth of its own that the range could be taken from.
+        eye.SetClippingRange(0.5 * pose.distance, 1.5 * pose.distance)
+    else:
+        renderer.ResetCameraClippingRange()
+
+
+def _camera(shape: Shape, planes: Sequence[Plane], size: tuple[int, int], bar: float) -> Camera:
+    """The first view beside a scale bar that takes so many pixels."""
+    width, height = size
+    free = bar if is_flat(shape) else 2 * bar  # a body stays in the middle
+    camera = default_camera(shape, planes[0] if planes else None, max(width - free, 0.5 * width) / height)
+    if not is_flat(shape):
+        return camera
+    pose = Pose(*map(np.array, camera))
+    pose = pan(pose, min(bar, 0.5 * width) * pose.half_height / height, 0.0)
+    return _point(pose.position), _point(pose.focal), camera[2]
 
 
 def _scale(size: tuple[int, int]) -> float:
@@ -171,19 +206,12 @@ def _window(plotter: pv.Plotter) -> vtkRenderWindow:
     return window
 
 
-def _prepare(plotter: pv.Plotter, camera: Camera | None, transparent: bool) -> None:
+def _prepare(plotter: pv.Plotter, transparent: bool) -> None:
     renderer = plotter.renderer
     renderer.GradientBackgroundOff()
     # On black that is not there, the pixels are the picture's colours times their alpha.
     renderer.SetBackground(*((0.0, 0.0, 0.0) if transparent else (1.0, 1.0, 1.0)))
     _window(plotter).SetAlphaBitPlanes(transparent)
-    if camera is not None:
-        eye = renderer.GetActiveCamera()
-        position, focal, up = camera
-        eye.SetPosition(position)
-        eye.SetFocalPoint(focal)
-        eye.SetViewUp(up)
-        eye.SetViewAngle(ANGLE)
     renderer.ResetCameraClippingRange()
 
 

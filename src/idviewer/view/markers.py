@@ -48,12 +48,16 @@ class Markers:
             self._barycentroid.move(frame.barycentroid)
         self._update()
 
-    def set_look(self, barycentroid: bool, opacity: float, scale: float) -> None:
-        """Whether the barycentroid is shown, the opacity of the body around, and device pixels in a pixel."""
+    def set_look(self, barycentroid: bool, opacity: float, scale: float, flat: bool = False) -> None:
+        """Whether the barycentroid is shown, the opacity of the body around, and device pixels in a pixel.
+
+        On something flat the balls are discs.
+        """
         self._with_barycentroid = barycentroid
         for ball in (self._source, self._barycentroid):
             ball.resize(scale)
             ball.set_clearness(clearness(opacity))
+            ball.set_relief(not flat)
         self._update()
 
     def _update(self) -> None:
@@ -71,6 +75,7 @@ class _Ball:
         self.actors = tuple(_point_actor(color, shader) for shader in shaders)
         self.actors[0].GetProperty().SetOpacity(BEHIND)
         self.resize(1.0)
+        self.set_relief(True)
         self.set_visible(False)
 
     def move(self, position: np.ndarray) -> None:
@@ -85,6 +90,10 @@ class _Ball:
 
     def set_clearness(self, share: float) -> None:
         self.actors[1].GetProperty().SetOpacity(share)
+
+    def set_relief(self, relief: bool) -> None:
+        for actor in self.actors:
+            set_uniforms(actor, relief=float(relief))
 
     def set_visible(self, visible: bool) -> None:
         for actor in self.actors:

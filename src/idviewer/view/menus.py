@@ -11,13 +11,16 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 
 
 class Entry(NamedTuple):
-    """One line of a menu; `name` is the call it makes."""
+    """One line of a menu: `name` is the call it makes, `flat` whether it means something for a polygon."""
 
     name: str
     text: str
     keys: str = ""
+    flat: bool = True
 
 
+FLAT_VIEW = "A polygon is flat and looked straight down on"
+NO_SLICES = "A polygon is flat: all of it is shown, and nothing is sliced"
 LINE, SAMPLES = Entry("", ""), Entry("samples", "Open &sample")
 MENUS: dict[str, tuple[Entry, ...]] = {
     "&File": (
@@ -28,34 +31,38 @@ MENUS: dict[str, tuple[Entry, ...]] = {
         LINE,
         Entry("quit", "&Quit", "Ctrl+Q"),
     ),
+    "&Edit": (
+        Entry("undo", "&Undo moving a vertex", "Ctrl+Z"),
+        Entry("redo", "&Redo moving a vertex", "Ctrl+Shift+Z"),
+    ),
     "&View": (
         Entry("reset", "&Reset view", "R"),
         LINE,
-        Entry("front", "&Front", "1"),
-        Entry("back", "&Back", "2"),
-        Entry("left", "&Left", "3"),
-        Entry("right", "R&ight", "4"),
-        Entry("top", "&Top", "5"),
-        Entry("bottom", "B&ottom", "6"),
-        Entry("face", "Face the &plane", "0"),
-        Entry("upright", "Another axis &upwards", "A"),
+        Entry("front", "&Front", "1", flat=False),
+        Entry("back", "&Back", "2", flat=False),
+        Entry("left", "&Left", "3", flat=False),
+        Entry("right", "R&ight", "4", flat=False),
+        Entry("top", "&Top", "5", flat=False),
+        Entry("bottom", "B&ottom", "6", flat=False),
+        Entry("face", "Face the &plane", "0", flat=False),
+        Entry("upright", "Another axis &upwards", "A", flat=False),
         LINE,
+        Entry("handle", "Show or hide the &handles", "H"),
         Entry("controls", "Show &controls", "F9"),
     ),
     "&Slice": (
-        Entry("plane_x", "Normal to &x", "X"),
-        Entry("plane_y", "Normal to &y", "Y"),
-        Entry("plane_z", "Normal to &z", "Z"),
-        Entry("through", "&Through the source", "T"),
+        Entry("plane_x", "Normal to &x", "X", flat=False),
+        Entry("plane_y", "Normal to &y", "Y", flat=False),
+        Entry("plane_z", "Normal to &z", "Z", flat=False),
+        Entry("through", "&Through the source", "T", flat=False),
         LINE,
-        Entry("forward", "Push &forward", "PgUp"),
-        Entry("backward", "Push &backward", "PgDown"),
-        Entry("far_forward", "Push far forward", "Shift+PgUp"),
-        Entry("far_backward", "Push far backward", "Shift+PgDown"),
+        Entry("forward", "Push &forward", "PgUp", flat=False),
+        Entry("backward", "Push &backward", "PgDown", flat=False),
+        Entry("far_forward", "Push far forward", "Shift+PgUp", flat=False),
+        Entry("far_backward", "Push far backward", "Shift+PgDown", flat=False),
         LINE,
-        Entry("add_plane", "&Add a plane", "Ctrl+N"),
-        Entry("remove_plane", "&Remove the plane", "Ctrl+Backspace"),
-        Entry("handle", "Show or hide the &handle", "H"),
+        Entry("add_plane", "&Add a plane", "Ctrl+N", flat=False),
+        Entry("remove_plane", "&Remove the plane", "Ctrl+Backspace", flat=False),
     ),
     "&Compute": (
         Entry("at_barycentroid", "&Source at the barycentroid", "Shift+B"),
@@ -72,13 +79,21 @@ MENUS: dict[str, tuple[Entry, ...]] = {
 def fill_menu_bar(
     window: QMainWindow,
     calls: Mapping[str, Callable[[], object]],
-    samples: Iterable[str],
+    samples: Mapping[str, Iterable[str]],
     open_sample: Callable[[str], object],
 ) -> dict[str, QAction]:
-    """Builds the menus; calls has one callable for each entry's name. Returns the actions by name."""
+    """Builds the menus; returns the actions by name.
+
+    Args:
+        window: whose menu bar is filled.
+        calls: one callable for each entry's name.
+        samples: names of the bundled shapes by the title of their group.
+        open_sample: called with the name of a bundled shape.
+    """
     actions: dict[str, QAction] = {}
     for title, entries in MENUS.items():
         menu = window.menuBar().addMenu(title)
+        menu.setToolTipsVisible(True)
         for entry in entries:
             if entry is LINE:
                 menu.addSeparator()
@@ -98,7 +113,21 @@ def _action(menu: QMenu, entry: Entry, call: Callable[[], object]) -> QAction:
     return action
 
 
-def _add_samples(menu: QMenu, samples: Iterable[str], open_sample: Callable[[str], object]) -> None:
-    for name in samples:
-        title = name.replace("_", " ").replace("-", " ").capitalize()
-        menu.addAction(title).triggered.connect(partial(open_sample, name))
+def suit(actions: Mapping[str, QAction], flat: bool) -> None:
+    """Disables what means nothing for a polygon, and says why; enables it for a body."""
+    for title, entries in MENUS.items():
+        reason = NO_SLICES if title == "&Slice" else FLAT_VIEW
+        for entry in entries:
+            if not entry.flat:
+                actions[entry.name].setEnabled(not flat)
+                actions[entry.name].setToolTip(reason if flat else "")
+
+
+def _add_samples(
+    menu: QMenu, samples: Mapping[str, Iterable[str]], open_sample: Callable[[str], object]
+) -> None:
+    for group, names in samples.items():
+        menu.addSection(group)
+        for name in names:
+            title = name.replace("_", " ").replace("-", " ").capitalize()
+            menu.addAction(title).triggered.connect(partial(open_sample, name))

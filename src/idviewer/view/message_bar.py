@@ -45,6 +45,7 @@ class MessageBar(QFrame):
         self._dismiss.setToolTip("Dismiss")
         self._dismiss.clicked.connect(self.clear)
         self._action: Callable[[], None] | None = None
+        self._remark = ""
         layout = QHBoxLayout(self)
         layout.setContentsMargins(12, 6, 8, 6)
         for widget in (self._sign, self._label, self.button, self._dismiss):
@@ -63,7 +64,9 @@ class MessageBar(QFrame):
         return self.property("kind")
 
     def tell(self, kind: Kind, text: str, offer: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Shows text; offer is a button's label and what it does."""
+        """Shows text; offer is a button's label and what it does. What is shown already costs nothing."""
+        if offer is None and self._action is None and (kind, text) == (self.kind, self.text):
+            return
         self.setProperty("kind", kind)
         self.style().unpolish(self)
         self.style().polish(self)
@@ -74,6 +77,19 @@ class MessageBar(QFrame):
         self.button.setText(offer[0] if offer else "")
         self.button.setVisible(offer is not None)
         self.show()
+
+    def remark(self, text: str) -> None:
+        """Shows a remark on the picture as a note, until there is another or none (an empty text).
+
+        It does not push an error aside, and does not come back once it is dismissed.
+        """
+        if text == self._remark:
+            return
+        shown, self._remark = self._remark, text
+        if text and not (self.text and self.kind == "error"):
+            self.tell("note", text)
+        elif shown and self.text == shown:
+            self.clear()
 
     def clear(self) -> None:
         """Hides the bar."""

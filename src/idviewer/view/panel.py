@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
     QGroupBox,
-    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -26,6 +25,7 @@ from PySide6.QtWidgets import (
 
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.colormaps import COLORMAPS
+from idviewer.view.flat import is_flat
 from idviewer.view.panel_distance import DistanceGroup, choice
 from idviewer.view.panel_planes import PlanesGroup, tidy
 
@@ -66,6 +66,7 @@ class Panel(QScrollArea):
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state; frame tells where the barycentroid is, and lambda_2."""
         self._content.setEnabled(state.shape is not None)
+        self.planes.setVisible(not is_flat(state.shape))
         for group in self._groups:
             group.show_state(state, frame)
 
@@ -78,12 +79,14 @@ class SourceGroup(QGroupBox):
         self._calls = calls
         self._source: Point | None = None
         self._size = 1.0
+        self._flat = False
         self.fields = tuple(_field(name) for name in "xyz")
         self.at_barycentroid = QPushButton("At the barycentroid")
         self.at_barycentroid.clicked.connect(lambda: calls.set(source=None))
+        self._names = tuple(QLabel(name, alignment=Qt.AlignmentFlag.AlignHCenter) for name in "xyz")
         layout = QGridLayout(self)
-        for column, (name, edit) in enumerate(zip("xyz", self.fields, strict=True)):
-            layout.addWidget(QLabel(name, alignment=Qt.AlignmentFlag.AlignHCenter), 0, column)
+        for column, (name, edit) in enumerate(zip(self._names, self.fields, strict=True)):
+            layout.addWidget(name, 0, column)
             layout.addWidget(edit, 1, column)
             edit.editingFinished.connect(self._typed)
         layout.addWidget(self.at_barycentroid, 2, 0, 1, 3)
@@ -94,6 +97,9 @@ class SourceGroup(QGroupBox):
         if source is None and frame is not None and frame.query.source is None:
             source = tuple(frame.source.tolist())
         self.at_barycentroid.setEnabled(state.query.source is not None)
+        for widget in (self._names[2], self.fields[2]):
+            widget.setVisible(not is_flat(state.shape))
+        self._flat = is_flat(state.shape)
         if source != self._source:
             self._source, self._size = source, state.shape.diagonal if state.shape is not None else 1.0
             self._restore()
@@ -113,8 +119,8 @@ class SourceGroup(QGroupBox):
             edit.setModified(False)
         pasted = edited[0].text().replace(",", " ").split()
         try:
-            if len(pasted) == 3:
-                x, y, z = map(float, pasted)
+            if len(pasted) == 3 or (self._flat and len(pasted) == 2):
+                x, y, z = (*map(float, pasted), 0.0)[:3]
             else:
                 exact = self._source if self._source is not None else (None, None, None)
                 x, y, z = (
@@ -140,13 +146,14 @@ class ShowGroup(QGroupBox):
         self.isolines.setSpecialValueText("none")
         self.opacity = QSlider(Qt.Orientation.Horizontal)
         self.opacity.setRange(0, 100)
+        self.vertices = QCheckBox("Vertices to drag")
         self.barycentroid = QCheckBox("Barycentroid")
         self.scale_bar = QCheckBox("Scale bar")
         self._lay_out()
         self._connect(calls)
 
     def _lay_out(self) -> None:
-        layout = QFormLayout(self)
+        self._form = layout = QFormLayout(self)
         layout.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow)
         rows = {
             "Quantity": self.quantity,
@@ -156,10 +163,14 @@ class ShowGroup(QGroupBox):
         }
         for label, widget in rows.items():
             layout.addRow(label, widget)
-        ticks = QHBoxLayout()
-        ticks.addWidget(self.barycentroid)
-        ticks.addWidget(self.scale_bar)
+        ticks = QGridLayout()
+        ticks.addWidget(self.barycentroid, 0, 0)
+        ticks.addWidget(self.scale_bar, 0, 1)
+        ticks.addWidget(self.vertices, 1, 0, 1, 2)
         layout.addRow(ticks)
+        self.vertices.setToolTip(
+            "Drag a vertex and the distances follow; with Shift its neighbours come along"
+        )
         self.opacity.setToolTip("How opaque the body is")
         self.isolines.setToolTip("Number of equal steps between isolines")
 
@@ -170,6 +181,7 @@ class ShowGroup(QGroupBox):
         self.opacity.valueChanged.connect(lambda value: calls.set(opacity=value / 100))
         self.barycentroid.clicked.connect(lambda on: calls.set(barycentroid=on))
         self.scale_bar.clicked.connect(lambda on: calls.set(scale_bar=on))
+        self.vertices.clicked.connect(lambda on: calls.set(handle=on))
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state without calling anything."""
@@ -185,10 +197,15 @@ class ShowGroup(QGroupBox):
             self.opacity.setValue(round(100 * display.opacity))
         self.barycentroid.setChecked(display.barycentroid)
         self.scale_bar.setChecked(display.scale_bar)
+        self.vertices.setChecked(display.handle)
+        flat = is_flat(state.shape)
+        if flat == self._form.isRowVisible(self.opacity):
+            self._form.setRowVisible(self.opacity, not flat)
+        self.vertices.setVisible(flat)
 
 
 def _field(name: str) -> QLineEdit:
     edit = QLineEdit()
     edit.setMinimumWidth(72)
-    edit.setToolTip(f"{name} of the source, in the mesh's unit; three numbers may be pasted at once")
+    edit.setToolTip(f"{name} of the source, in the shape's unit; all coordinates may be pasted at once")
     return edit

@@ -11,6 +11,8 @@ from PySide6.QtWidgets import QGroupBox, QVBoxLayout
 from idviewer.core import DISTANCES, Distance, Shape, parameters_of
 from idviewer.core.distances import File, Formula, missing
 from idviewer.session.state import Frame, State
+from idviewer.view.flat import is_flat
+from idviewer.view.panel_coordinates import CoordinatesRow, fit
 from idviewer.view.parameter_rows import ParameterRow, Row, choice, row_for
 
 __all__ = ["DistanceGroup", "ParameterRow", "choice"]
@@ -23,7 +25,7 @@ class _Calls(Protocol):
 
 
 class DistanceGroup(QGroupBox):
-    """The kind of distance, and under it what may be set of the kind chosen.
+    """The kind of distance, under it what may be set of the kind chosen, and what carries it inside.
 
     A kind that lacks something (a file) is only shown as chosen: it is asked for once it has that.
     """
@@ -43,25 +45,33 @@ class DistanceGroup(QGroupBox):
             for name, kind in DISTANCES.items()
             for parameter, one in parameters_of(kind).items()
         }
+        self.coordinates = CoordinatesRow(calls)
         layout = QVBoxLayout(self)
-        layout.addWidget(self.kind)
-        for row in self.rows.values():
+        for row in (self.kind, *self.rows.values(), self.coordinates):
             layout.addWidget(row)
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state; frame tells the first eigenvalue, by which parameters are measured."""
         if state.shape is not self._mesh:
-            self._mesh = state.shape
-            self._last.clear()
-            self._waiting = None
+            self._show_shape(state.shape, frame)
         if state.query.distance != self._distance:
             self._waiting = None
         self._distance = distance = state.query.distance
         # What may fail is worth coming back to only once it was seen to work.
         if not _may_fail(distance) or (frame is not None and frame.query.distance == distance):
             self._last[distance.name] = distance
-        self._lambda_2 = frame.lambda_2 if frame is not None and frame.shape is state.shape else None
+        # The frame may be one of a polygon whose vertices were where they are no longer.
+        self._lambda_2 = frame.lambda_2 if frame is not None else None
+        self.coordinates.show_state(state)
         self._show(self._waiting or distance)
+
+    def _show_shape(self, shape: Shape | None, frame: Frame | None) -> None:
+        if frame is None or not is_flat(frame.shape):  # else the same polygon with its vertices moved
+            self._last.clear()
+            self._waiting = None
+        if shape is not None and (self._mesh is None or self._mesh.dimension != shape.dimension):
+            fit(self.kind, DISTANCES, shape.dimension)
+        self._mesh = shape
 
     def _show(self, distance: Distance) -> None:
         self.kind.setCurrentIndex(self.kind.findData(distance.name))

@@ -24,6 +24,7 @@ from PySide6.QtWidgets import (
 from idviewer.core import Plane, Shape
 from idviewer.core.plane import AXES
 from idviewer.session.state import Frame, State
+from idviewer.view.flat import is_flat
 
 STEPS = 1000
 EDGE = 0.002
@@ -198,7 +199,7 @@ class PlanesGroup(QGroupBox):
     def plane(self) -> Plane | None:
         """The active one."""
         planes, active = self._state.query.planes, self._state.display.active_plane
-        return planes[active] if active < len(planes) else None
+        return planes[active] if active < len(planes) and not is_flat(self._state.shape) else None
 
     def replace(self, plane: Plane) -> None:
         """Puts the active plane somewhere else."""
@@ -242,7 +243,7 @@ class PlanesGroup(QGroupBox):
     def add_plane(self) -> None:
         """One more, which becomes the active one."""
         mesh, planes = self._state.shape, self._state.query.planes
-        if mesh is not None:
+        if mesh is not None and not is_flat(mesh):
             self._calls.set(planes=(*planes, another(mesh, planes)), active_plane=len(planes))
 
     def remove_plane(self) -> None:

@@ -12,6 +12,8 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLPolyDataMapper
 
+from idviewer.view.flat import in_space
+
 
 class Place:
     """Where a body is and how large: the card gets coordinates between -1 and 1.
@@ -20,13 +22,13 @@ class Place:
     """
 
     def __init__(self, bounds: ArrayLike = ((0, 0, 0), (1, 1, 1))) -> None:
-        lower, upper = np.asarray(bounds, float)
+        lower, upper = in_space(np.asarray(bounds, float))
         self.centre: NDArray[np.float64] = (lower + upper) / 2
         self.size = float(np.linalg.norm(upper - lower)) or 1.0
 
     def local(self, positions: NDArray[np.float64]) -> vtkPoints:
-        """(p, 3) positions in the body's own coordinates."""
-        return as_points((positions - self.centre) / self.size)
+        """(p, 3) positions, or (p, 2) of a polygon, in the body's own coordinates."""
+        return as_points((in_space(positions) - self.centre) / self.size)
 
     def apply(self, actor: vtkActor) -> None:
         """Has an actor with local coordinates stand where the body is."""

@@ -7,16 +7,19 @@ from typing import TYPE_CHECKING
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 
+from idviewer.core import Mesh, Polygon
 from idviewer.session.state import Display
 from idviewer.view.body_actor import BodyActor
 from idviewer.view.colormaps import colors, lookup_table
+from idviewer.view.flat import is_flat
 from idviewer.view.markers import Markers
+from idviewer.view.outline_actor import OutlineActor
 from idviewer.view.polydata import Place
 from idviewer.view.scale_bar import ScaleBar
 from idviewer.view.slice_actor import SliceActor
 
 if TYPE_CHECKING:
-    from idviewer.core import Mesh, Shape
+    from idviewer.core import Shape
     from idviewer.session.state import Frame, State
 
 BOTTOM, TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
@@ -41,7 +44,7 @@ class Scene:
         self._dpi = 0.0
         self._place = Place()
         self._table = lookup_table(self._display.colormap)
-        self._body = BodyActor(renderer)
+        self._body, self._outline = BodyActor(renderer), OutlineActor()
         self._slices: list[SliceActor] = []
         self._markers = Markers()
         self._bar = ScaleBar()
@@ -96,21 +99,28 @@ class Scene:
         self._slices.clear()
 
     def _show_shape(self, shape: Shape | None) -> None:
+        turned_flat = is_flat(shape) != is_flat(self._shape)
         self._shape = shape
         if shape is not None:
             self._place = Place(shape.bounds)
         self._body.show_mesh(shape if isinstance(shape, Mesh) else None, self._place)
-        if self._frame is not None and self._frame.shape is not shape:
+        self._outline.show(shape if isinstance(shape, Polygon) else None, self._place)
+        if turned_flat:
+            self._apply_display()
+        if self._frame is not None and not _serves(self._frame, shape):
             self.show_frame(None)
 
     def _apply_display(self) -> None:
         display = self._display
         self._dpi = self._window_dpi()
         scale = self._dpi / POINTS_PER_INCH
-        self._body.set_opacity(display.opacity)
+        flat = is_flat(self._shape)
+        opacity = 0.0 if flat else display.opacity  # nothing is around something flat
+        self._body.set_opacity(opacity)
+        self._outline.set_look(scale)
         for actor in self._slices:
-            actor.set_look(display.isolines, display.opacity, scale)
-        self._markers.set_look(display.barycentroid, display.opacity, scale)
+            actor.set_look(display.isolines, opacity, scale, edged=not flat)
+        self._markers.set_look(display.barycentroid, opacity, scale, flat)
         self._show_bar()
 
     def _show_bar(self) -> None:
@@ -131,6 +141,7 @@ class Scene:
         self._props = (
             *bases,
             *self._body.actors,
+            *self._outline.actors,
             *(prop for stage in overlays for prop in stage),
             *self._markers.actors,
             *self._bar.actors,
@@ -141,3 +152,8 @@ class Scene:
     def _window_dpi(self) -> float:
         window = self._renderer.GetRenderWindow() if self._renderer is not None else None
         return float(window.GetDPI()) if window is not None else POINTS_PER_INCH
+
+
+def _serves(frame: Frame, shape: Shape | None) -> bool:
+    """Whether the frame is the shape's, or, while a polygon's vertices are dragged, one of a moment ago."""
+    return frame.shape is shape or (is_flat(shape) and is_flat(frame.shape))

@@ -146,6 +146,7 @@ _BALL = {
   vec3 ballNormal = vec3(tilt, sqrt(max(1.0 - dot(tilt, tilt), 0.0)));
   float lit = max(dot(ballNormal, normalize(vec3(-0.35, 0.62, 0.70))), 0.0);
   vec3 ballColor = ambientColorUniform * (0.55 + 0.55 * lit) + vec3(0.55 * pow(lit, 40.0));
+  ballColor = mix(ambientColorUniform, ballColor, relief);
   fragOutput0 = vec4(mix(vec3(1.0), min(ballColor, 1.0), inBall), opacity * inRim);
 """
 }
@@ -153,16 +154,33 @@ _BALL = {
 BALL = Shader(vertex={_LAST: _LIFTED}, fragment=_BALL)
 """A point drawn as a ball of constant size.
 
-Uniforms, in pixels: ballRadius, rimWidth, spriteRadius (half the point size).
+Uniforms: ballRadius, rimWidth, spriteRadius (half the point size) in pixels; relief (1 for a ball, 0 for a
+flat disc).
 """
 
 BALL_AT_FRONT = Shader(vertex={_LAST: "gl_Position.z = -0.9999 * gl_Position.w;"}, fragment=_BALL)
 """The same in front of everything."""
 
-LINE = Shader(vertex={_LAST: "gl_Position.z -= 2e-3 * gl_Position.w;\n"})
+_ON_SURFACE = "gl_Position.z -= 2e-3 * gl_Position.w;\n"
+
+LINE = Shader(vertex={_LAST: _ON_SURFACE})
 """A line that is drawn on the surface it lies in, not half below it.
 
 About a pixel nearer: as far as the depth of a line and that of a steep surface may differ.
+"""
+
+JOINT = Shader(
+    vertex={_LAST: _ON_SURFACE},
+    fragment={
+        "Light::Impl": """
+  float fromCentre = length(2.0 * (gl_PointCoord - 0.5)) * spriteRadius;
+  fragOutput0 = vec4(ambientColorUniform, opacity * clamp(dotRadius + 0.5 - fromCentre, 0.0, 1.0));
+"""
+    },
+)
+"""A point of such a line, drawn as a disc.
+
+Uniforms, in pixels: dotRadius, spriteRadius (half the point size).
 """
 
 # Too little to change a colour of eight bits; with nothing at all, VTK discards the pixel and its depth.

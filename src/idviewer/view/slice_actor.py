@@ -47,7 +47,7 @@ class SliceActor:
         self.mask = layer(self._section)
         MASK.on(FRONT).install(self.mask)
         self._clearness = 0.0
-        self._alone = True
+        self._alone = self._edged = True
         self.hide()
 
     @property
@@ -79,8 +79,12 @@ class SliceActor:
         self._loops.Initialize()
         self._set_visible(False)
 
-    def set_look(self, isolines: int, opacity: float, scale: float) -> None:
-        """How many steps isolines separate, the opacity of the body around, and device pixels in a pixel."""
+    def set_look(self, isolines: int, opacity: float, scale: float, edged: bool = True) -> None:
+        """How many steps isolines separate, the opacity of the body around, and device pixels in a pixel.
+
+        A section that is not edged is left to whoever draws the outline: of a polygon, that is the body.
+        """
+        self._edged = edged
         for actor in (self.base, self.clear):
             set_uniforms(actor, isolines=float(isolines), lineWidth=ISOLINE_WIDTH * scale)
         self._clearness = clearness(opacity)
@@ -92,7 +96,7 @@ class SliceActor:
 
     def _set_visible(self, visible: bool) -> None:
         self.base.SetVisibility(visible)
-        self.edge.SetVisibility(visible)
+        self.edge.SetVisibility(visible and self._edged)
         for actor in (self.clear, self.outline):
             actor.SetVisibility(visible and self._clearness > 0.0)
         self.mask.SetVisibility(visible and self._clearness > 0.0 and not self._alone)

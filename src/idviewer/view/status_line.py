@@ -4,14 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QStatusBar, QWidget
 
 from idviewer.core import Shape
-from idviewer.session.state import Progress, Ready
+from idviewer.session.picking import Probe
+from idviewer.session.state import Frame, Progress, Ready
+from idviewer.view.flat import is_flat
 
 PATIENCE = 150
 """Milliseconds that work may take before the line speaks of it; what is done by then only flickers."""
+
+HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
+FLAT_HINT = "Click to put the source there; drag a vertex to reshape the polygon; F1 for more"
+EMPTY_HINT = "Open a mesh or a polygon with Ctrl+O, or drop a file here"
+
+
+def hint_for(shape: Shape | None) -> str:
+    """What can be done with it."""
+    if shape is None:
+        return EMPTY_HINT
+    return FLAT_HINT if is_flat(shape) else HINT
+
+
+def in_words(probe: Probe, frame: Frame) -> str:
+    """The value under the mouse, where that is, and the Euclidean distance beside it."""
+    point = np.asarray(probe.point)
+    place = ", ".join(f"{value:.4g}" for value in point[: frame.shape.dimension])
+    if frame.query.quantity == "potential":
+        return f"U = {probe.value:.4g} at ({place})"
+    straight = float(np.linalg.norm(point - frame.source))
+    return f"d = {probe.value:.4g} at ({place}); Euclidean {straight:.4g}"
 
 
 class StatusLine(QStatusBar):

@@ -1,47 +1,29 @@
 """The picture in the window: draws on request, and makes rays, planes and camera moves of the mouse's.
 
 The mouse never reaches VTK: the drawing widget lets its events through to `Viewport`, so no interactor style
-and none of VTK's key bindings can get in the way. The plane handle comes first, then clicks, then the camera.
+and none of VTK's key bindings can get in the way. Handles come first (the plane's, or a polygon's vertices),
+then clicks, then the camera.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QEnterEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
-from pyvistaqt import QtInteractor
 
-from idviewer.core import Plane
+from idviewer.core import Plane, Polygon
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.camera import Pose, Projection, View
+from idviewer.view.drawing import Smoothing, drawing_widget
 from idviewer.view.eye import Eye
-from idviewer.view.handle_geometry import Drag, Handle, Part
+from idviewer.view.flat import in_space, is_flat
+from idviewer.view.handle_geometry import Handle, Part
 from idviewer.view.plane_handle import PlaneHandle
+from idviewer.view.press import SHORT, STILL, Grip, Press, cursor_for, is_shift, target_of
 from idviewer.view.scene import Scene
-
-STILL, SHORT = 4.0, 800
-"""A click moves less than so many device-independent pixels and lasts less than so many milliseconds."""
-CURSORS = {
-    Part.PUSH: Qt.CursorShape.SizeVerCursor,
-    Part.TURN: Qt.CursorShape.PointingHandCursor,
-    Part.MOVE: Qt.CursorShape.SizeAllCursor,
-}
-
-
-@dataclass
-class _Press:
-    """What the mouse is doing while a button is down."""
-
-    at: QPointF
-    button: Qt.MouseButton
-    modifiers: Qt.KeyboardModifier
-    time: int
-    drag: Drag | None = None
-    panning: bool = False
-    moved: bool = False
+from idviewer.view.vertex_geometry import VertexDrag, vertex_at
+from idviewer.view.vertex_handles import VertexHandles
 
 
 class Viewport(QWidget):
@@ -51,25 +33,30 @@ class Viewport(QWidget):
         clicked: a Ray, and the target "slice-or-body", "surface" or "chord".
         hovered: the Ray under the mouse, None when it left or is over the handle.
         dragged: the Plane that the handle was dragged to.
+        pointed: the (3,) vertex of a polygon that was clicked.
+        reshaped: (n, 2) the vertices of a polygon while one is dragged, or when that is given up.
+        reshaping_ended: (n, 2) the vertices of a polygon as they were before one was dragged.
     """
 
     clicked = Signal(object, str)
     hovered = Signal(object)
     dragged = Signal(object)
+    pointed = Signal(object)
+    reshaped = Signal(object)
+    reshaping_ended = Signal(object)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._plotter = _drawing_widget(self)
+        self._plotter, self._smoothing = drawing_widget(self), Smoothing()
         self._scene = Scene(self._plotter)
         self._eye = Eye(self._plotter, self.request_draw)
-        self._handle = PlaneHandle(self._plotter)
+        self._handle, self._vertices = PlaneHandle(self._plotter), VertexHandles(self._plotter)
         window = self._plotter.GetRenderWindow()
         self._observers = [(window, window.AddObserver("StartEvent", self._before_draw))]
         self._state = State()
-        self._press: _Press | None = None
+        self._press: Press | None = None
         self._mouse: QPointF | None = None
-        self._pointed: Part | None = None
-        self._smoothing: int | None = None
+        self._pointed: Grip | None = None
         self._closed = False
         # Once for all frames since the last turn of the event loop, and after the draw, which comes first.
         self._look_again = QTimer(self, singleShot=True, interval=0)
@@ -83,14 +70,13 @@ class Viewport(QWidget):
     # What is shown
 
     def show_state(self, state: State) -> None:
-        """Shows the state's body, markers and handle."""
-        new_mesh = state.shape is not self._state.shape
+        """Shows the state's body, markers and handles; the camera stays."""
         self._state = state
         self._scene.show(state)
         self._eye.beside_bar = state.display.scale_bar
         self._handle.show(state.display.handle and self._plane is not None)
-        if new_mesh:
-            self.reset_view()
+        self._vertices.show(self._polygon)
+        self._vertices.highlight(self._pointed if isinstance(self._pointed, int) else None)
         self.request_draw()
 
     def show_frame(self, frame: Frame | None) -> None:
@@ -105,14 +91,7 @@ class Viewport(QWidget):
             self._plotter.update()
 
     def _hurry(self, dragging: bool) -> None:
-        """Without a graphics card, draws without smoothing while the mouse drags: three times as fast."""
-        window = self._plotter.GetRenderWindow()
-        if self._smoothing is None:
-            software = any(name in window.ReportCapabilities() for name in ("llvmpipe", "softpipe"))
-            self._smoothing = window.GetMultiSamples() if software else 0
-        wanted = 0 if dragging else self._smoothing
-        if self._smoothing and window.GetMultiSamples() != wanted:
-            window.SetMultiSamples(wanted)
+        if self._smoothing.hurry(self._plotter, dragging):
             self.request_draw()
 
     def close_down(self) -> None:
@@ -125,6 +104,7 @@ class Viewport(QWidget):
             subject.RemoveObserver(tag)
         self._observers.clear()
         self._handle.close()
+        self._vertices.close()
         self._scene.close()
         self._plotter.close()
         del self._plotter, self._eye  # whoever still holds this widget must not keep a render window alive
@@ -172,7 +152,14 @@ class Viewport(QWidget):
     @property
     def _plane(self) -> Plane | None:
         planes, active = self._state.query.planes, self._state.display.active_plane
-        return planes[active] if self._state.shape is not None and active < len(planes) else None
+        cut = self._state.shape is not None and not is_flat(self._state.shape)
+        return planes[active] if cut and active < len(planes) else None
+
+    @property
+    def _polygon(self) -> Polygon | None:
+        """The polygon whose vertices can be dragged."""
+        shape = self._state.shape
+        return shape if isinstance(shape, Polygon) and self._state.display.handle else None
 
     @property
     def handle(self) -> Handle | None:
@@ -184,6 +171,7 @@ class Viewport(QWidget):
 
     def _before_draw(self, *_: object) -> None:
         self._scene.show(self._state)  # it follows the window's dots per inch, which a draw may find changed
+        self._vertices.follow_window()
         handle = self.handle
         if handle is not None:
             self._handle.place(handle)
@@ -191,37 +179,44 @@ class Viewport(QWidget):
     # The mouse
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Grabs the handle, or waits whether this becomes a click or a drag."""
+        """Grabs a handle, or waits whether this becomes a click or a drag."""
         if self._press is not None:
             return
         at, button, modifiers = event.position(), event.button(), event.modifiers()
         left = button == Qt.MouseButton.LeftButton
-        panning = not left or _shift(modifiers)
-        self._press = _Press(at, button, modifiers, event.timestamp(), panning=panning)
-        handle = self.handle
-        part = handle.part_at(at.x(), at.y()) if handle is not None and left else None
-        if handle is not None and part is not None:
-            self._press.drag = handle.grab(part, at.x(), at.y())
-            self._point_out(part)
+        panning = not left or is_shift(modifiers) or is_flat(self._state.shape)
+        self._press = Press(at, button, modifiers, event.timestamp(), panning=panning)
+        grip, handle = self._grip_at(at) if left else None, self.handle
+        if isinstance(grip, Part) and handle is not None:
+            self._press.drag = handle.grab(grip, at.x(), at.y())
+        elif isinstance(grip, int) and self._polygon is not None:
+            self._press.vertex = VertexDrag.grab(self._polygon, grip, self.projection, at.x(), at.y())
+        self._point_out(grip)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """The second press of a double click is a press like any other."""
         self.mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Drags the handle or the camera; without a button, says what is under the mouse."""
+        """Drags a handle or the camera; without a button, says what is under the mouse."""
         at, press = event.position(), self._press
         before, self._mouse = self._mouse, at
         if press is None:
             self._hover(at)
         elif press.drag is not None:
             self._hurry(True)
-            self.dragged.emit(press.drag(at.x(), at.y(), _shift(event.modifiers())))
+            self.dragged.emit(press.drag(at.x(), at.y(), is_shift(event.modifiers())))
+        elif press.given_up:
+            return
         elif press.moved or (at - press.at).manhattanLength() > STILL:
             self._hurry(True)
             way = at - (before if press.moved and before is not None else press.at)
-            (self._eye.pan if press.panning else self._eye.orbit)(way.x(), way.y())
             press.moved = True
+            if press.vertex is not None:
+                soft = is_shift(event.modifiers())
+                self.reshaped.emit(press.vertex.to(self.projection, at.x(), at.y(), soft))
+            else:
+                (self._eye.pan if press.panning else self._eye.orbit)(way.x(), way.y())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Ends a drag, or clicks."""
@@ -231,9 +226,22 @@ class Viewport(QWidget):
         self._press = None
         self._hurry(False)
         still = press.drag is None and not press.moved and event.timestamp() - press.time < SHORT
-        if still and press.button == Qt.MouseButton.LeftButton:
-            self.clicked.emit(self.projection.ray(press.at.x(), press.at.y()), _target(press.modifiers))
+        if press.vertex is not None and press.moved and not press.given_up:
+            self.reshaping_ended.emit(press.vertex.polygon.vertices)
+        elif press.vertex is not None and still:
+            self.pointed.emit(in_space(press.vertex.polygon.vertices[[press.vertex.vertex]])[0])
+        elif still and press.button == Qt.MouseButton.LeftButton:
+            self.clicked.emit(self.projection.ray(press.at.x(), press.at.y()), target_of(press.modifiers))
         self._hover(event.position())
+
+    def give_up_drag(self) -> bool:
+        """Puts a vertex that is being dragged back; tells whether one was. The button may still be down."""
+        press = self._press
+        if press is None or press.vertex is None or not press.moved or press.given_up:
+            return False
+        press.given_up = True
+        self.reshaped.emit(press.vertex.polygon.vertices)
+        return True
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802
         """Zooms towards what is under the mouse."""
@@ -254,40 +262,27 @@ class Viewport(QWidget):
             self.hovered.emit(None)
 
     def _hover(self, at: QPointF) -> None:
+        grip = self._grip_at(at)
+        self._point_out(grip)
+        self.hovered.emit(None if isinstance(grip, Part) else self.projection.ray(at.x(), at.y()))
+
+    def _grip_at(self, at: QPointF) -> Grip | None:
+        """What can be grabbed there: a part of the plane's handle, or the number of a vertex."""
+        if self._polygon is not None:
+            return vertex_at(self._polygon, self.projection, at.x(), at.y())
         handle = self.handle
-        part = handle.part_at(at.x(), at.y()) if handle is not None else None
-        self._point_out(part)
-        self.hovered.emit(None if part else self.projection.ray(at.x(), at.y()))
+        return handle.part_at(at.x(), at.y()) if handle is not None else None
 
     def _rest(self) -> None:
         """What lies under a mouse that has not moved since the last frame."""
         if self._press is None and self._mouse is not None:
             self._hover(self._mouse)
 
-    def _point_out(self, part: Part | None) -> None:
-        if part is self._pointed:
+    def _point_out(self, grip: Grip | None) -> None:
+        if grip == self._pointed:
             return
-        self._pointed = part
-        self._handle.highlight(part)
-        self.setCursor(CURSORS[part] if part else Qt.CursorShape.ArrowCursor)
+        self._pointed = grip
+        self._handle.highlight(grip if isinstance(grip, Part) else None)
+        self._vertices.highlight(grip if isinstance(grip, int) else None)
+        self.setCursor(cursor_for(grip))
         self.request_draw()
-
-
-def _shift(modifiers: Qt.KeyboardModifier) -> bool:
-    return bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
-
-
-def _target(modifiers: Qt.KeyboardModifier) -> str:
-    if modifiers & Qt.KeyboardModifier.ControlModifier:
-        return "chord"
-    return "surface" if _shift(modifiers) else "slice-or-body"
-
-
-def _drawing_widget(parent: QWidget) -> QtInteractor:
-    """A plotter that draws when Qt paints and at no other time, and takes no mouse, key or drop."""
-    plotter = QtInteractor(parent, auto_update=False)
-    plotter.suppress_rendering = True
-    plotter.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-    plotter.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    plotter.setAcceptDrops(False)
-    return plotter

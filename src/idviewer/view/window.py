@@ -7,29 +7,30 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
-from idviewer.core import DistanceError, MeshError, Shape
+from idviewer.core import DistanceError, MeshError, Shape, ShapeError
 from idviewer.core.rays import Ray
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, QueryError, Ready, State
 from idviewer.view import dialogs, images
 from idviewer.view.dialogs import PictureRequest
+from idviewer.view.flat import is_flat
 from idviewer.view.help import HelpSheet
-from idviewer.view.menus import fill_menu_bar
+from idviewer.view.menus import fill_menu_bar, suit
 from idviewer.view.message_bar import MessageBar
 from idviewer.view.panel import Calls, Panel
 from idviewer.view.post import Post
-from idviewer.view.status_line import StatusLine
+from idviewer.view.reshaping import Reshaper
+from idviewer.view.status_line import StatusLine, hint_for, in_words
 from idviewer.view.viewport import Viewport
 
 LOG = logging.getLogger(__name__)
-HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
-EMPTY_HINT = "Open a mesh with Ctrl+O, or drop a file here"
+SAMPLES = {"Meshes": 3, "Polygons": 2}
+"""Groups of the bundled shapes, and their dimensions."""
 STEP, FAR_STEP = 0.01, 0.1
 """Shares of the shape's extent that the keys push a plane by."""
 
@@ -47,9 +48,14 @@ class MainWindow(QMainWindow):
         self.viewport, self.messages = Viewport(), MessageBar()
         self.panel = Panel(Calls(session.set, self.complain))
         self.status = StatusLine(self.cancel, session.resume)
+        self._reshaper = Reshaper(session, self.messages, self._show_undo)
         self._lay_out()
-        self.actions_by_name = fill_menu_bar(self, self._calls(), sample_names(), self._open_sample)
+        samples = {title: sample_names(dimension) for title, dimension in SAMPLES.items()}
+        self.actions_by_name = fill_menu_bar(self, self._calls(), samples, self._open_sample)
         self.viewport.clicked.connect(session.click)
+        self.viewport.pointed.connect(lambda point: session.set(source=tuple(point.tolist())))
+        self.viewport.reshaped.connect(self._reshaper.move)
+        self.viewport.reshaping_ended.connect(self._reshaper.remember)
         self.viewport.hovered.connect(self._show_probe)
         self.viewport.dragged.connect(self.panel.planes.drag_to)
         self._connections: list[tuple[Any, Callable[..., None]]] = [
@@ -63,6 +69,7 @@ class MainWindow(QMainWindow):
         for signal, slot in self._connections:
             signal.connect(slot)
         self._on_changed(State(), session.state)
+        self._show_undo()
         self._show_probe(None)
 
     def _lay_out(self) -> None:
@@ -90,9 +97,11 @@ class MainWindow(QMainWindow):
         session, viewport, planes = self.session, self.viewport, self.panel.planes
         views = ("front", "back", "left", "right", "top", "bottom")
         return {
-            "open": self.ask_for_mesh,
+            "open": self.ask_for_shape,
             "picture": self.ask_for_picture,
             "quit": self.close,
+            "undo": self._reshaper.undo,
+            "redo": self._reshaper.redo,
             "reset": viewport.reset_view,
             **{view: lambda view=view: viewport.look_from(view) for view in views},  # type: ignore[misc]
             "face": viewport.look_at_plane,
@@ -119,22 +128,26 @@ class MainWindow(QMainWindow):
     # What the session says
 
     def _on_changed(self, old: State, new: State) -> None:
-        if new.shape is not old.shape:
+        # A frame that is there although the shape is another is of the same polygon, reshaped.
+        another = new.shape is not old.shape and self.session.frame is None
+        if another:
             self.status.show_shape(new.shape)
             self._show_probe(None)
-            self.viewport.show_frame(self.session.frame)
+            self.viewport.show_frame(None)
+            suit(self.actions_by_name, is_flat(new.shape))
         self.viewport.show_state(new)
         self.panel.show_state(new, self.session.frame)
 
     def _on_framed(self, frame: Frame) -> None:
         self.viewport.show_frame(frame)
+        self.messages.remark(" ".join(frame.remarks))
         self.panel.show_state(self.session.state, frame)
         if self.session.busy and not frame.exact:
             self.status.show_progress(Progress("Refining"))
 
     def on_failed(self, error: BaseException) -> None:
         """One line for the user; for the log the trace too, where the error is ours and not the input's."""
-        expected = isinstance(error, MeshError | QueryError | DistanceError | OSError)
+        expected = isinstance(error, ShapeError | QueryError | DistanceError | OSError)
         LOG.error("%s", error, exc_info=None if expected else error)
         path = self._asked
         if isinstance(error, MeshError) and error.components and path is not None:
@@ -148,6 +161,8 @@ class MainWindow(QMainWindow):
         self.status.show_progress(progress)
 
     def _on_opened(self, mesh: Shape, path: Path | None) -> None:
+        self.viewport.reset_view()
+        self._reshaper.forget()
         self.setWindowTitle(f"{path.name if path else mesh.name} — idviewer")
         if path is not None:
             self._folder = str(path.parent)
@@ -166,7 +181,7 @@ class MainWindow(QMainWindow):
         self.messages.tell("error", text)
 
     def open(self, path: Path | str, component: int | None = None) -> None:
-        """Opens a mesh; the one that is open stays until the new one is read."""
+        """Opens a mesh or a polygon; the shape that is open stays until the new one is read."""
         self.messages.clear()
         self._asked = Path(path)
         self.session.open(self._asked, component)
@@ -174,7 +189,7 @@ class MainWindow(QMainWindow):
     def _open_sample(self, name: str) -> None:
         self.open(sample_path(name))
 
-    def ask_for_mesh(self) -> None:
+    def ask_for_shape(self) -> None:
         """Shows the file dialog."""
         dialog = dialogs.open_dialog(self._folder, self)
         dialog.fileSelected.connect(lambda path: self.open(path))
@@ -213,8 +228,8 @@ class MainWindow(QMainWindow):
             QGuiApplication.restoreOverrideCursor()
 
     def cancel(self) -> None:
-        """Stops the computation; what is shown stays."""
-        if not self.session.busy:
+        """Gives up a vertex that is being dragged, or stops the computation; what is shown stays."""
+        if self.viewport.give_up_drag() or not self.session.busy:
             return
         self.session.cancel()
         state, frame = self.session.state, self.session.frame
@@ -229,15 +244,14 @@ class MainWindow(QMainWindow):
         probe = self.session.probe(ray) if ray is not None else None
         frame = self.session.frame
         if probe is None or probe.value is None or frame is None:
-            self.status.show_probe(HINT if self.session.state.shape is not None else EMPTY_HINT)
-            return
-        point = np.asarray(probe.point)
-        place = ", ".join(f"{value:.4g}" for value in point)
-        if frame.query.quantity == "potential":
-            self.status.show_probe(f"U = {probe.value:.4g} at ({place})")
+            self.status.show_probe(hint_for(self.session.state.shape))
         else:
-            straight = float(np.linalg.norm(point - frame.source))
-            self.status.show_probe(f"d = {probe.value:.4g} at ({place}); Euclidean {straight:.4g}")
+            self.status.show_probe(in_words(probe, frame))
+
+    def _show_undo(self) -> None:
+        for name, possible in (("undo", self._reshaper.can_undo), ("redo", self._reshaper.can_redo)):
+            self.actions_by_name[name].setEnabled(possible)
+            self.actions_by_name[name].setToolTip("" if possible else "No vertex has been moved")
 
     def _show_dialog(self, dialog: QDialog) -> None:
         """One dialog at a time, beside the event loop."""

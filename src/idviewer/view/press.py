@@ -1,0 +1,55 @@
+"""What the mouse is doing: a press, what was grabbed by it, and how the cursor tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from PySide6.QtCore import QPointF, Qt
+
+from idviewer.view.handle_geometry import Drag, Part
+from idviewer.view.vertex_geometry import VertexDrag
+
+Grip = Part | int
+"""What can be grabbed: a part of the plane's handle, or a polygon's vertex by its number."""
+
+STILL, SHORT = 4.0, 800
+"""A click moves less than so many device-independent pixels and lasts less than so many milliseconds."""
+_CURSORS = {
+    Part.PUSH: Qt.CursorShape.SizeVerCursor,
+    Part.TURN: Qt.CursorShape.PointingHandCursor,
+    Part.MOVE: Qt.CursorShape.SizeAllCursor,
+}
+
+
+@dataclass
+class Press:
+    """What the mouse is doing while a button is down."""
+
+    at: QPointF
+    button: Qt.MouseButton
+    modifiers: Qt.KeyboardModifier
+    time: int
+    drag: Drag | None = None
+    vertex: VertexDrag | None = None
+    panning: bool = False
+    moved: bool = False
+    given_up: bool = False
+
+
+def is_shift(modifiers: Qt.KeyboardModifier) -> bool:
+    """Whether the shift key is held."""
+    return bool(modifiers & Qt.KeyboardModifier.ShiftModifier)
+
+
+def target_of(modifiers: Qt.KeyboardModifier) -> str:
+    """What a click means."""
+    if modifiers & Qt.KeyboardModifier.ControlModifier:
+        return "chord"
+    return "surface" if is_shift(modifiers) else "slice-or-body"
+
+
+def cursor_for(grip: Grip | None) -> Qt.CursorShape:
+    """The cursor over what can be grabbed."""
+    if isinstance(grip, int):
+        return Qt.CursorShape.SizeAllCursor
+    return _CURSORS[grip] if grip is not None else Qt.CursorShape.ArrowCursor

@@ -1,0 +1,402 @@
+"""Polygons in the window under real mouse events: vertices are dragged, and the distances follow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QApplication, QWidget
+from pytestqt.qtbot import QtBot
+from tests.view.mouse import Mouse
+from tests.view.polygons import write_star
+from tests.view.windows import (
+    pixels_of,
+    place,
+    show_shape,
+    show_window,
+    told,
+    wait_until_done,
+    write_ellipsoid,
+)
+
+from idviewer.core import COORDINATES, read_polygon, write_polygon
+from idviewer.core.coordinates import Property
+from idviewer.session.state import Frame
+from idviewer.view.dialogs import PictureRequest
+from idviewer.view.menus import FLAT_VIEW, NO_SLICES
+from idviewer.view.status_line import FLAT_HINT
+from idviewer.view.window import MainWindow
+
+pytestmark = pytest.mark.slow
+TIP = 0
+"""Number of the star's upmost vertex."""
+
+
+@pytest.fixture
+def mouse(qtbot: QtBot) -> Iterator[Mouse]:
+    mouse = Mouse(qtbot)
+    yield mouse
+    mouse.close()
+
+
+@pytest.fixture
+def window(qtbot: QtBot, tmp_path: Path) -> MainWindow:
+    return show_shape(qtbot, write_star(tmp_path))
+
+
+def vertices_of(window: MainWindow) -> np.ndarray:
+    return window.session.state.shape.vertices
+
+
+def at(window: MainWindow, vertex: int) -> tuple[float, float]:
+    return place(window.viewport, [*vertices_of(window)[vertex], 0.0])
+
+
+# The picture
+
+
+def test_it_is_looked_straight_down_on_as_a_whole(window: MainWindow) -> None:
+    viewport = window.viewport
+    np.testing.assert_allclose(viewport.pose.axes[2], [0, 0, 1], atol=1e-12)
+    np.testing.assert_allclose(viewport.pose.up, [0, 1, 0], atol=1e-12)
+    pixels = viewport.projection.project(np.column_stack([vertices_of(window), np.zeros(40)]))
+    assert pixels.min() > 0
+    assert pixels[:, 1].max() < viewport.height()
+    assert np.ptp(pixels[:, 1]) > 0.8 * viewport.height()
+    sizes = [viewport.projection.pixel_size([x, 0.0, z]) for x, z in ((0, 0), (1, 0), (0, 1))]
+    np.testing.assert_allclose(sizes, sizes[0])  # nothing is nearer
+
+
+def test_a_drag_beside_the_vertices_shifts_the_picture(mouse: Mouse, window: MainWindow) -> None:
+    viewport, session = window.viewport, window.session
+    before, pose = session.state, viewport.pose
+    x, y = place(viewport, [0.1, 0.1, 0.0])
+    mouse.drag(viewport, (x, y), (x + 60, y - 45))
+    np.testing.assert_allclose(viewport.projection.project([[0.1, 0.1, 0.0]])[0], [x + 60, y - 45], atol=1.0)
+    np.testing.assert_allclose(viewport.pose.axes, pose.axes, atol=1e-12)
+    assert session.state == before
+
+
+def test_the_wheel_zooms_towards_the_mouse(mouse: Mouse, window: MainWindow) -> None:
+    viewport = window.viewport
+    x, y = place(viewport, [0.3, -0.2, 0.0])
+    size = viewport.projection.pixel_size([0.0, 0.0, 0.0])
+    mouse.wheel(viewport, x, y, 4)
+    assert viewport.projection.pixel_size([0.0, 0.0, 0.0]) < 0.7 * size
+    np.testing.assert_allclose(viewport.projection.project([[0.3, -0.2, 0.0]])[0], [x, y], atol=1.0)
+    mouse.key("r")
+    assert viewport.projection.pixel_size([0.0, 0.0, 0.0]) == pytest.approx(size)
+
+
+def test_what_turns_or_slices_is_disabled_and_says_why(
+    qtbot: QtBot, mouse: Mouse, window: MainWindow
+) -> None:
+    pose, actions = window.viewport.pose, window.actions_by_name
+    mouse.key("3", "a", "0", "x", "t", "ctrl+n")
+    np.testing.assert_allclose(window.viewport.pose.axes, pose.axes, atol=1e-12)
+    assert actions["left"].toolTip() == FLAT_VIEW
+    assert actions["plane_x"].toolTip() == NO_SLICES
+    assert not actions["upright"].isEnabled()
+    assert actions["reset"].isEnabled()
+    assert window.panel.planes.isHidden()
+    assert not window.panel.show_group.opacity.isVisible()
+    assert not window.panel.source.fields[2].isVisible()
+    assert window.status.probe.text() == FLAT_HINT or "d = " in window.status.probe.text()
+
+
+def test_after_a_polygon_a_body_has_everything_again(
+    qtbot: QtBot, window: MainWindow, tmp_path: Path
+) -> None:
+    window.open(write_ellipsoid(tmp_path))
+    wait_until_done(qtbot, window.session)
+    assert window.actions_by_name["left"].isEnabled()
+    assert window.actions_by_name["left"].toolTip() != FLAT_VIEW
+    assert window.panel.planes.isVisible()
+    assert window.panel.show_group.opacity.isVisible()
+    assert not window.panel.show_group.vertices.isVisible()
+    assert window.viewport.handle is not None
+    sizes = [window.viewport.projection.pixel_size([0, 0, z]) for z in (-0.3, 0.3)]
+    assert sizes[0] != pytest.approx(sizes[1])  # what is nearer is larger
+
+
+@pytest.mark.parametrize("transparent", [False, True])
+def test_a_picture_is_saved_as_it_is_shown(window: MainWindow, tmp_path: Path, transparent: bool) -> None:
+    viewport = window.viewport
+    window.session.set(scale_bar=False)
+    size = (viewport.width(), viewport.height())
+    window.save_picture(PictureRequest(tmp_path / "star.png", size, transparent))
+    with Image.open(tmp_path / "star.png") as file:
+        picture = np.asarray(file).astype(int)
+    assert picture.shape == (size[1], size[0], 4 if transparent else 3)
+    x, y = place(viewport, [0.0, 0.6, 0.0])
+    shown = pixels_of(window).astype(int)
+    near = slice(int(y) - 12, int(y) + 13), slice(int(x) - 12, int(x) + 13)
+    assert np.abs(picture[near][..., :3].mean(axis=(0, 1)) - shown[near].mean(axis=(0, 1))).max() < 12
+    assert not transparent or picture[2, 2, 3] == 0
+
+
+# Sources
+
+
+def test_a_click_inside_puts_the_source_there(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    pose = window.viewport.pose
+    mouse.click(window.viewport, *place(window.viewport, [0.2, 0.15, 0.0]))
+    frame = wait_until_done(qtbot, window.session)
+    np.testing.assert_allclose(
+        frame.source, [0.2, 0.15, 0.0], atol=1.5 * window.viewport.projection.pixel_size([0, 0, 0])
+    )
+    assert frame.source[2] == 0.0
+    np.testing.assert_allclose(window.viewport.pose.position, pose.position)
+
+
+def test_a_click_on_a_vertex_puts_the_source_on_it(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    shape = window.session.state.shape
+    x, y = at(window, 16)
+    mouse.click(window.viewport, x + 3, y - 2)
+    frame = wait_until_done(qtbot, window.session)
+    assert np.array_equal(frame.source[:2], shape.vertices[16])
+    assert window.session.state.shape is shape
+
+
+def test_a_click_outside_does_nothing(mouse: Mouse, window: MainWindow) -> None:
+    before = window.session.state
+    mouse.click(window.viewport, 12, 12)
+    assert window.session.state == before
+
+
+def test_two_coordinates_can_be_typed(qtbot: QtBot, window: MainWindow) -> None:
+    field = window.panel.source.fields[0]
+    field.setText("0.1, -0.2")
+    field.setModified(True)
+    field.editingFinished.emit()
+    assert window.session.state.query.source == (0.1, -0.2, 0.0)
+    wait_until_done(qtbot, window.session)
+
+
+# Vertices
+
+
+def test_the_vertex_under_the_mouse_is_pointed_out(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    x, y = at(window, TIP)
+    mouse.move(window.viewport, x + 60, y)
+    qtbot.wait(50)
+    before = pixels_of(window).astype(int)
+    mouse.move(window.viewport, x + 4, y + 4)
+    assert window.viewport.cursor().shape() == Qt.CursorShape.SizeAllCursor
+
+    def orange() -> bool:
+        row, column = round(y), round(x)
+        red, green, blue = pixels_of(window)[row, column].astype(int)
+        return red > 230 and 90 < green < 180 and blue < 80
+
+    qtbot.waitUntil(orange)
+    mouse.move(window.viewport, x + 60, y)
+    assert window.viewport.cursor().shape() == Qt.CursorShape.ArrowCursor
+    qtbot.waitUntil(lambda: np.abs(pixels_of(window).astype(int) - before).max() < 30)
+
+
+def test_a_dragged_vertex_takes_the_distances_along(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    viewport, session = window.viewport, window.session
+    start, first, pose = vertices_of(window), session.frame, viewport.pose
+    ranges: list[tuple[float, float]] = []
+    session.framed.connect(lambda frame: ranges.append(frame.value_range))
+    x, y = at(window, TIP)
+    mouse.drag(viewport, (x + 2, y + 1), (x + 52, y + 61), steps=10)
+    frame = wait_until_done(qtbot, session)
+    moved = vertices_of(window)
+    assert np.array_equal(np.delete(moved, TIP, axis=0), np.delete(start, TIP, axis=0))
+    np.testing.assert_allclose(
+        viewport.projection.project([[*moved[TIP], 0.0]])[0], [x + 50, y + 60], atol=1.0
+    )
+    assert frame.shape is session.state.shape
+    assert first is not None
+    assert frame.lambda_2 != first.lambda_2
+    assert frame.value_range != first.value_range
+    assert len(set(ranges)) > 1  # they followed
+    np.testing.assert_allclose(viewport.pose.position, pose.position)
+    assert window.panel.distance.kind.isEnabled()
+
+
+def test_undo_and_redo(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    start, values = vertices_of(window), window.session.frame.value_range
+    undo, redo = window.actions_by_name["undo"], window.actions_by_name["redo"]
+    assert not undo.isEnabled()
+    for vertex, way in ((TIP, 50), (16, -40)):
+        x, y = at(window, vertex)
+        mouse.drag(window.viewport, (x, y), (x, y + way))
+    second = vertices_of(window)
+    mouse.key("ctrl+z")
+    assert vertices_of(window)[16].tolist() == start[16].tolist()
+    assert vertices_of(window)[TIP].tolist() != start[TIP].tolist()
+    mouse.key("ctrl+z")
+    frame = wait_until_done(qtbot, window.session)
+    assert np.array_equal(vertices_of(window), start)
+    np.testing.assert_allclose(frame.value_range, values, rtol=1e-9)
+    assert not undo.isEnabled()
+    mouse.key("ctrl+shift+z", "ctrl+shift+z")
+    assert np.array_equal(vertices_of(window), second)
+    assert not redo.isEnabled()
+    wait_until_done(qtbot, window.session)
+
+
+def test_escape_gives_a_drag_up(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    start, pose = vertices_of(window), window.viewport.pose
+    x, y = at(window, TIP)
+    mouse.press(window.viewport, x, y)
+    mouse.move(window.viewport, x + 30, y + 30)
+    assert vertices_of(window)[TIP].tolist() != start[TIP].tolist()
+    mouse.key("Escape")
+    assert np.array_equal(vertices_of(window), start)
+    mouse.move(window.viewport, x + 60, y + 30)
+    mouse.release()
+    assert np.array_equal(vertices_of(window), start)
+    assert not window.actions_by_name["undo"].isEnabled()
+    np.testing.assert_allclose(window.viewport.pose.position, pose.position)
+    frame = wait_until_done(qtbot, window.session)
+    assert frame.shape is window.session.state.shape
+
+
+def test_where_edges_would_cross_the_vertex_stays_and_a_line_says_why(
+    qtbot: QtBot, mouse: Mouse, window: MainWindow
+) -> None:
+    x, y = at(window, TIP)
+    bad_x, bad_y = place(window.viewport, [0.0, -1.1, 0.0])
+    mouse.press(window.viewport, x, y)
+    mouse.move(window.viewport, x + 6, y + 20)
+    good = vertices_of(window)
+    mouse.move(window.viewport, bad_x, bad_y)
+    text = told(qtbot, window, "stays", "edge")
+    assert window.messages.kind == "error"
+    assert "\n" not in text
+    assert len(text) < 100
+    assert np.array_equal(vertices_of(window), good)
+    mouse.move(window.viewport, x, y + 30)
+    assert window.messages.text == ""
+    assert not np.array_equal(vertices_of(window), good)
+    mouse.move(window.viewport, bad_x, bad_y)
+    told(qtbot, window, "stays")
+    mouse.release()
+    mouse.key("ctrl+z")
+    assert window.messages.text == ""
+    wait_until_done(qtbot, window.session)
+
+
+def test_with_shift_the_neighbours_follow(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    start = vertices_of(window)
+    x, y = at(window, TIP)
+    mouse.press(window.viewport, x, y, keys=("shift",))
+    for way in (10, 20, 30):
+        mouse.move(window.viewport, x, y - way)
+    mouse.release(keys=("shift",))
+    ways = np.linalg.norm(vertices_of(window) - start, axis=1)
+    assert ways[TIP] > ways[1] > ways[2] > 0
+    assert ways[1] == pytest.approx(ways[-1])
+    assert (ways[10:30] == 0).all()
+    wait_until_done(qtbot, window.session)
+
+
+def test_a_source_that_the_outline_passes_falls_back(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    tip = at(window, TIP)
+    x, y = place(window.viewport, [0.0, 0.9, 0.0])
+    mouse.click(window.viewport, x, y)
+    wait_until_done(qtbot, window.session)
+    mouse.drag(window.viewport, tip, (x, y + 60))
+    frame = wait_until_done(qtbot, window.session)
+    assert window.session.state.query.source is None
+    np.testing.assert_allclose(frame.source, frame.barycentroid)
+
+
+def test_hidden_vertices_cannot_be_grabbed(mouse: Mouse, window: MainWindow) -> None:
+    start = vertices_of(window)
+    x, y = at(window, TIP)
+    mouse.key("h")
+    assert not window.panel.show_group.vertices.isChecked()
+    mouse.drag(window.viewport, (x, y), (x + 20, y + 40))
+    assert np.array_equal(vertices_of(window), start)
+
+
+def test_no_stale_picture_after_a_hundred_moves(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
+    frames: list[Frame] = []
+    window.session.framed.connect(frames.append)
+    x, y = at(window, TIP)
+    angles = np.linspace(0, 6 * np.pi, 100)
+    way = [(x + 30 * np.sin(a), y + 40 - 40 * np.cos(a)) for a in angles] + [(x + 25, y + 30)]
+    mouse.swing(window.viewport, [(x, y), *way])
+    frame = wait_until_done(qtbot, window.session)
+    assert frame.shape is window.session.state.shape
+    assert len(frames) > 5
+    dragged = vertices_of(window)
+    np.testing.assert_allclose(
+        window.viewport.projection.project([[*dragged[TIP], 0.0]])[0], [x + 25, y + 30], atol=1.5
+    )
+    drawn = pixels_of(window).astype(int)
+    window.session.show(window.session.state.shape)  # the same from nothing
+    wait_until_done(qtbot, window.session)
+    mouse.move(window.status, 5, 5)
+    qtbot.waitUntil(lambda: (np.abs(pixels_of(window).astype(int) - drawn).max(axis=2) > 60).mean() < 0.004)
+
+
+# The panel, files
+
+
+def test_coordinates_are_chosen_and_tell_what_they_fulfil(
+    qtbot: QtBot, mouse: Mouse, window: MainWindow
+) -> None:
+    before = wait_until_done(qtbot, window.session)
+    box = window.panel.distance.coordinates.box
+    assert [box.itemData(row) for row in range(box.count())] == list(COORDINATES)
+    box.setCurrentIndex(box.findData("shepard"))
+    box.activated.emit(box.currentIndex())
+    assert window.session.state.query.coordinates == "shepard"
+    frame = wait_until_done(qtbot, window.session)
+    assert frame.slices[0].values.max() != before.slices[0].values.max()
+    assert "✗ linear precision" in box.toolTip()
+    assert "✓ non negativity" in box.toolTip()
+    assert box.toolTip().count("✓") + box.toolTip().count("✗") == len(Property)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".svg", ".json"])
+def test_dropped_polygons_open(qtbot: QtBot, tmp_path: Path, suffix: str) -> None:
+    window = show_window(qtbot)
+    path = write_star(tmp_path)
+    if suffix != ".csv":
+        outline = read_polygon(path)
+        path = tmp_path / f"star{suffix}"
+        if suffix == ".svg":
+            points = " ".join(f"{x},{y}" for x, y in outline.vertices)
+            path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg"><polygon points="{points}"/></svg>')
+        else:
+            write_polygon(outline, path)
+    mime = QMimeData()
+    mime.setUrls([QUrl.fromLocalFile(str(path))])
+    how = (Qt.DropAction.CopyAction, mime, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
+    QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), *how))
+    wait_until_done(qtbot, window.session)
+    assert window.session.state.shape.dimension == 2
+    assert window.windowTitle().startswith(path.name)
+
+
+def test_samples_are_in_two_groups(window: MainWindow) -> None:
+    menus = [menu for menu in window.menuBar().findChildren(QWidget) if hasattr(menu, "title")]
+    samples = next(menu for menu in menus if "sample" in menu.title())
+    texts = [("—" if action.isSeparator() else "") + action.text() for action in samples.actions()]
+    assert [text for text in texts if text.startswith("—")] == ["—Meshes", "—Polygons"]
+    assert texts.index("Hand") < texts.index("—Polygons") < texts.index("Gingerbread")
+
+
+def test_remarks_are_shown_while_frames_make_them(window: MainWindow) -> None:
+    bar = window.messages
+    bar.remark("It has no value at a point.")
+    assert (bar.text, bar.kind) == ("It has no value at a point.", "note")
+    bar.clear()
+    bar.remark("It has no value at a point.")
+    assert bar.text == ""
+    bar.remark("It has no value at two points.")
+    assert bar.text == "It has no value at two points."
+    bar.remark("")
+    assert bar.text == ""
