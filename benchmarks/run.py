@@ -50,7 +50,7 @@ def main() -> None:
     if arguments.readme and arguments.only:
         asked.error("--readme wants all subjects, not --only some")
     settings = settings_of(arguments)
-    finish(compile_steps())
+    finish(compile_steps(3))
     tables: dict[str, list[Row]] = {}
     print(machine.description())
     for name in arguments.only or SUBJECTS:

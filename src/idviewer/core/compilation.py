@@ -20,14 +20,34 @@ from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
 
 
-def compile_steps() -> Generator[float, None, None]:
-    """Compile every kernel, or read it from numba's cache; yields the share done between them."""
+def compile_steps(dimension: int) -> Generator[float, None, None]:
+    """Compile every kernel that shapes of a dimension need, or read it from numba's cache.
+
+    Yields the share done between them.
+    """
+    calls = _flat_calls() if dimension == 2 else _spatial_calls()
+    for done, call in enumerate(calls):
+        call()
+        yield (done + 1) / len(calls)
+
+
+def _flat_calls() -> list[Callable[[], object]]:
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    triangle = Polygon(corners)
+    return [
+        lambda: cut_ears(corners.copy(), np.array([0, 3])),
+        lambda: mean_value_on(triangle).weights(np.full((1, 2), 0.2)),
+        lambda: MaximumEntropyCoordinates(triangle).weights(np.full((1, 2), 0.2)),
+    ]
+
+
+def _spatial_calls() -> list[Callable[[], object]]:
     spindle = _spindle(LANES)
     corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
     scratch, landing = kernels.scratch_for(surface, 1), kernels.no_landing(1)
     approximation = MeshMeanValue(spindle).approximation(corners, np.ones(3))
-    calls: list[Callable[[], object]] = [
+    return [
         lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),
         lambda: kernels.weigh(
@@ -41,15 +61,11 @@ def compile_steps() -> Generator[float, None, None]:
             (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
-        lambda: mean_value_on(Polygon(corners[:3, :2])).weights(np.full((1, 2), 0.2)),
         lambda: MaximumEntropyCoordinates(spindle).weights(np.full((1, 3), 0.1)),
         lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]
-    for done, call in enumerate(calls):
-        call()
-        yield (done + 1) / len(calls)
 
 
 def _spindle(sides: int) -> Mesh:

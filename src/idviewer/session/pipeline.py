@@ -52,7 +52,7 @@ class Pipeline:
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
-        self._compiled = False
+        self._compiled: set[int] = set()
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -116,11 +116,11 @@ class Pipeline:
     ) -> Generator[Progress, None, Prepared]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
-        if not self._compiled:
+        if shape.dimension not in self._compiled:
             yield Progress(COMPILING)
-            for share in compile_steps():
+            for share in compile_steps(shape.dimension):
                 yield Progress(COMPILING, share)
-            self._compiled = True
+            self._compiled.add(shape.dimension)
         spectrum = (yield from _eigenpairs(shape, query.distance)) if query.distance.spectral else None
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
