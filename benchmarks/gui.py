@@ -78,7 +78,7 @@ def frame_of(body: Body, shift: float) -> Frame:
     outline = tuple(loop.astype(np.int32) for loop in cut.loops)
     one = Slice(plane, filled.points, filled.triangles, values, outline)
     return Frame(
-        mesh=mesh,
+        shape=mesh,
         query=Query(planes=(plane,)),
         slices=(one,),
         level=0,
