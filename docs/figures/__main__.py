@@ -11,7 +11,6 @@ from pathlib import Path
 from figures import document
 from figures.gallery import FIGURES
 from figures.registry import Run
-
 from idviewer.core.compilation import compile_steps
 from idviewer.core.steps import finish
 
@@ -37,13 +36,20 @@ def main() -> None:
 def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(prog="figures", description="Does the paper's experiments again.")
     made.add_argument(
-        "figures", nargs="*", choices=[[], *FIGURES], metavar="NUMBER", help=f"of {', '.join(FIGURES)}; all"
+        "figures", nargs="*", type=known, metavar="NUMBER", help=f"{', '.join(FIGURES)}; or all"
     )
     made.add_argument("--images", type=Path, default=DOCS / "images" / "figures", help="where pictures go")
     made.add_argument(
         "--document", type=Path, default=DOCS / "figures.md", help="where the numbers are put in"
     )
     return made
+
+
+def known(number: str) -> str:
+    """The number of a figure that there is."""
+    if number not in FIGURES:
+        raise argparse.ArgumentTypeError(f"there is no figure {number}; there are {', '.join(FIGURES)}")
+    return number
 
 
 def tell(done: int, whole: int, what: str, start: float) -> None:

@@ -1,68 +1,98 @@
-"""Figures 12, 13 and 14: the potential U, and the barycentroid under noise, deformation, pose, and in a class."""
+"""Figures 12, 13 and 14: the potential U; the barycentroid under noise, deformation, pose, in a class."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
+
 from figures import flat, solid
 from figures.bending import Floats, Map, bent, carried, diameter, one_after_another, ramp
-from figures.boundaries import DEFORMATIONS, FIGURE_POSES, noise_title, noisy_blobs, posed
+from figures.boundaries import (
+    DEFORMATIONS,
+    DRAWS,
+    FIGURE_POSES,
+    NOISE,
+    noise_title,
+    noisy_blobs,
+    posed,
+    smooth_blob,
+)
 from figures.registry import Run, Table, figure
 from figures.shapes import HANDS, bundled, made_hand, moved, noisy_body, within_plane
 from figures.words import percent
-from matplotlib.axes import Axes
-
 from idviewer.core import InteriorDistance, Mesh, Polygon, mean_value_weights, read_polygon, sample_path
 from idviewer.session import Query
-from idviewer.session.pipeline import run_to_end
 
 X, Y, Z = range(3)
+REST = "one outline"
 ROUGH = 0.003
 """Noise on bodies, as a share of the diagonal: some half an edge."""
 
 
-def cases() -> list[tuple[str, Polygon, Polygon, Map | None]]:
-    """Title, polygon at rest, polygon, and the map between them, of figure 12."""
-    noisy = noisy_blobs()
-    made = [(noise_title(share), noisy[0][2], polygon, None) for share, _, polygon in noisy]
-    blob = read_polygon(sample_path("blob"))
-    ginger = read_polygon(sample_path("gingerbread"))
-    made += [(name, blob, carried(blob, by), by) for name, by in DEFORMATIONS.items()]
-    return made + [(name, ginger, carried(ginger, posed(name)), posed(name)) for name in FIGURE_POSES]
+@dataclass(frozen=True)
+class Case:
+    """A row of pictures of figure 12: titles, and for each what was done, in one draw or several.
+
+    Attributes:
+        rest: the outline to begin with.
+        done: title, polygons, and the map that takes rest to them, if it is one.
+    """
+
+    rest: Polygon
+    done: list[tuple[str, list[Polygon], Map | None]]
+
+
+def cases(tiny: bool) -> list[Case]:
+    """Noise, deformation, articulation."""
+    smooth, draws = smooth_blob(), 1 if tiny else DRAWS
+    noise = [(noise_title(share), [one for _, one in noisy_blobs(share, draws)], None) for share in NOISE]
+    blob, ginger = read_polygon(sample_path("blob")), read_polygon(sample_path("gingerbread"))
+    bends = [(name, [carried(blob, by)], by) for name, by in DEFORMATIONS.items() if name != REST]
+    poses = [(name, [carried(ginger, posed(name))], posed(name)) for name in FIGURE_POSES if name != REST]
+    return [Case(smooth, noise), Case(blob, bends), Case(ginger, poses)]
 
 
 @figure("12", "U and the barycentroid in 2D")
 def potential(run: Run) -> Table:
     """Isolines of U under noise, deformation and articulation, and where the barycentroid goes."""
-    cells, rows, titles, rests = [], [], [], {}
-    for index, (name, rest, polygon, by) in enumerate(cases()):
-        solver, filling = InteriorDistance(polygon), flat.Filling.of(polygon, run.samples)
-        middle = solver.barycentroid().point
-        cells.append(partial(show_potential, filling=filling, solver=solver, middle=middle))
-        titles.append(name)
-        if index % 4 == 0:
-            rests[id(rest)] = middle
-            at_rest = middle
-            continue
-        expected = at_rest if by is None else by(at_rest[None])[0]
-        size = diameter(rest.vertices)
-        centroids = [centre_of_area(flat.Filling.of(each, 4000)) for each in (rest, polygon)]
-        due = centroids[0] if by is None else by(centroids[0][None])[0]
-        moves = (np.linalg.norm(middle - expected) / size, np.linalg.norm(centroids[1] - due) / size)
-        inside = "yes" if polygon.contains(centroids[1][None])[0] else "no"
-        rows.append([name, *map(percent, map(float, moves)), inside])
+    cells, titles, rows = [], [], []
+    for case in cases(run.tiny):
+        titles += [REST, *(name for name, _, _ in case.done)]
+        drawn = [case.rest, *(polygons[0] for _, polygons, _ in case.done)]
+        cells += [partial(show_potential, run=run, polygon=polygon) for polygon in drawn]
+        rows += [[name, *moves(case.rest, polygons, by)] for name, polygons, by in case.done]
     flat.draw_rows(run, "12", titles, cells)
     header = ("what was done", "barycentroid strays", "centre of area strays", "centre of area inside")
-    note = "As a share of the diameter, from where the same point would have gone with the deformation."
+    note = (
+        "As a share of the diameter, from where the same point would have gone with the deformation; "
+        f"noise: means over {DRAWS} draws."
+    )
     return Table(header, rows, note)
 
 
-def show_potential(axes: Axes, filling: flat.Filling, solver: InteriorDistance, middle: Floats) -> None:
+def moves(rest: Polygon, polygons: list[Polygon], by: Map | None) -> list[str]:
+    """How far barycentroid and centre of area stray, and how often the latter lies inside."""
+    size, strayed = diameter(rest.vertices), []
+    due = [middle if by is None else by(middle[None])[0] for middle in middles(rest)]
+    for polygon in polygons:
+        strayed.append(np.linalg.norm(np.subtract(middles(polygon), due), axis=1) / size)
+    inside = all(polygon.contains(middles(polygon)[1][None])[0] for polygon in polygons)
+    return [*map(percent, np.mean(strayed, axis=0).tolist()), "yes" if inside else "**no**"]
+
+
+def middles(polygon: Polygon) -> tuple[Floats, Floats]:
+    """The barycentroid and the centre of area."""
+    return InteriorDistance(polygon).barycentroid().point, centre_of_area(flat.Filling.of(polygon, 4000))
+
+
+def show_potential(axes: Axes, run: Run, polygon: Polygon) -> None:
     """U, its isolines, and its smallest value."""
+    solver, filling = InteriorDistance(polygon), flat.Filling.of(polygon, run.samples)
     flat.show(axes, filling, filling.potential(solver))
-    flat.dot(axes, middle, flat.BARYCENTROID, 9.0)
+    flat.dot(axes, solver.barycentroid().point, flat.BARYCENTROID, 9.0)
 
 
 def centre_of_area(filling: flat.Filling) -> Floats:
@@ -85,18 +115,20 @@ def potential_in_bodies(run: Run) -> Table:
     }
     pictures, rows = [], []
     for name, (rest, mesh, normal) in bodies.items():
-        middle = run_to_end(mesh, Query()).barycentroid
+        middle = solid.frame_of(mesh, Query()).barycentroid
         query = Query(planes=(solid.cut(middle, normal),), quantity="potential")
-        pictures.append(solid.picture(run, mesh, query, 620, barycentroid=True)[0])
+        pictures.append(solid.picture(run, mesh, query, 460)[0])
         if mesh is not rest:
-            rows.append([name, percent(strays(rest, mesh, run_to_end(rest, Query()).barycentroid, middle))])
-    draw_pictures(run, "13", list(bodies), pictures, 4)
+            rows.append(
+                [name, percent(strays(rest, mesh, solid.frame_of(rest, Query()).barycentroid, middle))]
+            )
+    solid.draw_rows(run, "13", list(bodies), pictures, 4)
     return Table(("body", "barycentroid strays"), rows, STRAYS)
 
 
 STRAYS = (
-    "As a share of the diameter, from where the barycentroid at rest goes when it is carried along by the mean "
-    "value coordinates of its own place."
+    "As a share of the diameter, from where the barycentroid at rest goes when it is carried along by the "
+    "mean value coordinates of its own place."
 )
 
 
@@ -104,16 +136,6 @@ def strays(rest: Mesh, mesh: Mesh, before: Floats, after: Floats) -> float:
     """How far the barycentroid is from where the vertices carry that of the body at rest; of the diameter."""
     expected = mean_value_weights(rest, before[None]) @ mesh.vertices
     return float(np.linalg.norm(after - expected[0]) / diameter(rest.vertices))
-
-
-def draw_pictures(run: Run, number: str, titles: Sequence[str], pictures: list, columns: int) -> None:
-    """Pictures in rows, all at the same height, titles above."""
-    rows = len(pictures) // columns
-    drawing, axes = flat.row_of(columns, 13.2 / columns, 3.8, rows)
-    for place, text, pixels in zip(axes.flat, titles, pictures, strict=True):
-        solid.show_pixels(place, pixels)
-        flat.title(place, text)
-    run.save(drawing, number)
 
 
 def human_poses(run: Run) -> list[tuple[str, Mesh]]:
@@ -163,22 +185,21 @@ def barycentroid(run: Run) -> Table:
     pictures, titles, rows = [], [], []
     for what, poses, normal in (
         ("human", human_poses(run), solid.FRONT),
-        ("cat", cat_poses(run), solid.SIDE),
+        ("cat", cat_poses(run), solid.ABOVE),
         ("hands", hands, solid.FRONT),
     ):
-        middles = []
+        middles, everywhere = [], np.concatenate([mesh.vertices for _, mesh in poses])
         for name, mesh in poses:
-            pixels, frame = solid.picture(
-                run, mesh, Query(), 560, barycentroid=True, facing=solid.cut((0, 0, 0), normal)
-            )
+            query, facing = Query(quantity="potential"), solid.cut((0, 0, 0), normal)
+            pixels, frame = solid.picture(run, mesh, query, 460, everywhere, facing)
             pictures.append(pixels)
             titles.append(name)
             middles.append(frame.barycentroid)
         rows += numbers(what, poses, middles)
-    draw_pictures(run, "14", titles, pictures, 4)
+    solid.draw_rows(run, "14", titles, pictures, 4)
     note = (
-        f"{STRAYS} Hands have no vertices in common: there it is the distance from the first one's barycentroid in "
-        "the frame in which all were drawn."
+        f"{STRAYS} Hands have no vertices in common: there it is the distance from the first one's "
+        "barycentroid in the frame in which all were drawn."
     )
     return Table(("body", "barycentroid strays"), rows, note)
 

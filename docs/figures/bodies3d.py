@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+
 from figures import flat, solid
 from figures.bending import Floats
 from figures.registry import Run, Table, figure
 from figures.shapes import bundled, inner_points, simplified
 from figures.words import number, percent
-
 from idviewer.core import InteriorDistance, Mesh, Plane
 from idviewer.session import Query
-from idviewer.session.pipeline import run_to_end
 
 BODIES: dict[str, tuple[str, int, float, float | None]] = {
     "human": ("y", 2, 1.0, None),
@@ -21,8 +20,8 @@ BODIES: dict[str, tuple[str, int, float, float | None]] = {
     "octopus": ("z", 0, -1.0, None),
     "couple": ("y", 2, 1.0, None),
 }
-"""The axis across the plane, the axis and the side of the end that the source is put into, and where the plane
-lies (in shares of the box; None for through the barycentroid)."""
+"""The axis across the plane, the axis and the side of the end that the source is put into, and where the
+plane lies (in shares of the box; None for through the barycentroid)."""
 
 INWARD = 0.06
 """How far the source is moved from the end of the section towards the barycentroid."""
@@ -31,11 +30,11 @@ INWARD = 0.06
 def plane_and_source(mesh: Mesh, name: str) -> tuple[Plane, tuple[float, float, float]]:
     """Where a body is cut, and a point of the cut near one of its ends."""
     axis, along, side, share = BODIES[name]
-    middle = run_to_end(mesh, Query()).barycentroid
+    middle = solid.frame_of(mesh, Query()).barycentroid
     plane = Plane.along(axis, 0.5 if share is None else share, mesh.bounds)
     normal = solid.FRONT if axis == "y" else plane.normal
     plane = solid.cut(plane.origin if share is not None else middle, normal)
-    points = run_to_end(mesh, Query(planes=(plane,))).slices[0].points
+    points = solid.frame_of(mesh, Query(planes=(plane,))).slices[0].points
     end = points[np.argmax(side * points[:, along])]
     x, y, z = (end + INWARD * (middle - end)).tolist()
     return plane, (x, y, z)
@@ -48,16 +47,18 @@ def six(run: Run) -> Table:
     for name in BODIES:
         mesh = bundled(run.body(name))
         plane, source = plane_and_source(mesh, name)
-        pixels, frame = solid.picture(run, mesh, Query(planes=(plane,), source=source))
+        pixels, frame = solid.picture(run, mesh, Query(planes=(plane,), source=source), 460)
         pictures.append(pixels)
         rows.append([name.replace("_", ", "), f"{len(mesh.vertices):,}", *numbers(mesh, source)])
         assert frame.exact
-    drawing, axes = flat.row_of(3, 4.4, 4.2, 2)
-    for place, pixels, row in zip(axes.flat, pictures, rows, strict=True):
-        solid.show_pixels(place, pixels)
-        flat.title(place, row[0])
-    run.save(drawing, "8")
-    header = ("body", "vertices", "eigenpairs", "largest d inside / on the surface", "points with a negative weight")
+    solid.draw_rows(run, "8", [row[0] for row in rows], pictures, 3)
+    header = (
+        "body",
+        "vertices",
+        "eigenpairs",
+        "largest d inside / on the surface",
+        "sum of negative weights, mean",
+    )
     return Table(header, rows)
 
 
@@ -67,11 +68,11 @@ def numbers(mesh: Mesh, source: tuple[float, float, float]) -> list[str]:
     points = inner_points(mesh, 1000)
     inside = solver.field(source, points)
     at = np.linalg.norm(solver.vertex_embedding - solver.embed([source]), axis=1)
-    negative = solver.negativity(points) > 1e-9
+    negative = np.nanmean(solver.negativity(points))
     return [
         f"{len(solver.spectrum.values)}",
         f"{np.nanmax(inside) / at.max():.3f}",
-        percent(float(negative.mean())),
+        f"{negative:.3f}",
     ]
 
 
@@ -82,9 +83,10 @@ def tessellation(run: Run) -> Table:
     counts = (2400, 1500) if run.tiny else (9000, 1500)
     meshes = [simplified(fine, count) for count in counts]
     plane, source = plane_and_source(meshes[0], "human")
-    pictures = [solid.picture(run, mesh, Query(planes=(plane,), source=source), 760)[0] for mesh in meshes]
-    drawing, axes = flat.row_of(2, 6.2, 6.4)
-    for place, pixels, count in zip(axes[0], solid.fitted(pictures), counts, strict=True):
+    query = Query(planes=(plane,), source=source)
+    pictures = [solid.picture(run, mesh, query, 620, fine.vertices)[0] for mesh in meshes]
+    drawing, axes = flat.row_of(2, 4.0, 6.4)
+    for place, pixels, count in zip(axes[0], solid.cropped(pictures), counts, strict=True):
         solid.show_pixels(place, pixels)
         flat.title(place, f"{count:,} vertices")
     run.save(drawing, "9")
@@ -105,7 +107,11 @@ def compared(meshes: list[Mesh]) -> Table:
         change = np.abs(after - before)
         names = [number(len(meshes[each].vertices)) for each in (first, second)]
         rows.append(
-            [" against ".join(names), percent(change.mean() / before.mean()), percent(change.max() / before.max())]
+            [
+                " against ".join(names),
+                percent(change.mean() / before.mean()),
+                percent(change.max() / before.max()),
+            ]
         )
     header = ("vertices", "mean change of d", "largest, of the largest d")
     return Table(header, rows, "300 random pairs of points inside, the same in all three.")

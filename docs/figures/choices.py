@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
+from matplotlib.patches import Rectangle
+from scipy.spatial import cKDTree
+from scipy.stats import spearmanr
+
 from figures import flat, solid
 from figures.bending import Floats, diameter
 from figures.bodies3d import plane_and_source
@@ -12,9 +14,6 @@ from figures.registry import Run, Table, figure
 from figures.shapes import bundled
 from figures.sources import HAND
 from figures.words import percent
-from matplotlib.patches import Rectangle
-from scipy.stats import spearmanr
-
 from idviewer.core import (
     COORDINATES,
     CommuteTime,
@@ -28,7 +27,11 @@ from idviewer.core import (
 )
 from idviewer.session import Query
 
-DISTANCES: dict[str, Distance] = {"geodesic": Geodesic(), "commute time": CommuteTime(), "diffusion": Diffusion()}
+DISTANCES: dict[str, Distance] = {
+    "geodesic": Geodesic(),
+    "commute time": CommuteTime(),
+    "diffusion": Diffusion(),
+}
 
 
 @figure("10", "other boundary distances")
@@ -42,14 +45,16 @@ def boundary_distances(run: Run) -> Table:
     for distance in DISTANCES.values():
         solver = InteriorDistance(polygon, distance)
         values.append(filling.distances(solver, HAND))
-        pixels, frame = solid.picture(run, mesh, Query(planes=(plane,), source=source, distance=distance), 640)
+        pixels, frame = solid.picture(
+            run, mesh, Query(planes=(plane,), source=source, distance=distance), 480
+        )
         slices.append((frame.slices[0].points, frame.slices[0].values))
         pictures.append(pixels)
-        rows.append([title_of(solver.description)])
+        rows.append([])
     for index, name in enumerate(DISTANCES):
         flat.show(axes[0, index], filling, values[index], HAND)
         flat.title(axes[0, index], name)
-        solid.show_pixels(axes[1, index], pictures[index])
+        solid.show_pixels(axes[1, index], solid.cropped(pictures)[index])
         straight = np.linalg.norm(filling.points - HAND, axis=1)
         points, here = slices[index]
         in_space = np.linalg.norm(points - np.array(source), axis=1)
@@ -59,18 +64,22 @@ def boundary_distances(run: Run) -> Table:
             *(f"{rank(here, other):.2f}" for other in (at(*slices[-1], points), in_space)),
         ]
     run.save(drawing, "10")
-    left_out = InteriorDistance(polygon, Geodesic()).description, InteriorDistance(mesh, Geodesic()).description
+    left_out = (
+        InteriorDistance(polygon, Geodesic()).description,
+        InteriorDistance(mesh, Geodesic()).description,
+    )
     note = (
         "Rank correlations (Spearman's) of the values in the pictures. Geodesic distances do not embed: "
         f"in 2D, {remark(left_out[0])}; in 3D, {remark(left_out[1])}."
     )
-    header = ("boundary distance", "2D: with diffusion", "2D: with Euclidean", "3D: with diffusion", "3D: with Euclidean")
+    header = (
+        "boundary distance",
+        "2D: with diffusion",
+        "2D: with Euclidean",
+        "3D: with diffusion",
+        "3D: with Euclidean",
+    )
     return Table(header, rows, note)
-
-
-def title_of(description: str) -> str:
-    """A distance's name without its parameters."""
-    return description.split(",")[0]
 
 
 def remark(description: str) -> str:
@@ -80,8 +89,6 @@ def remark(description: str) -> str:
 
 def at(points: Floats, values: Floats, places: Floats) -> Floats:
     """Values at the nearest of the points where they are known."""
-    from scipy.spatial import cKDTree
-
     return values[cKDTree(points).query(places)[1]]
 
 
@@ -132,8 +139,8 @@ def coordinates(run: Run) -> Table:
         "largest d inside / on the boundary",
     )
     note = (
-        f"Outline of {COARSE} vertices. Ripples: what is left of d along a line {DEPTH} edges below the boundary "
-        "after a moving average over one edge, root mean square."
+        f"Outline of {COARSE} vertices. Ripples: what is left of d along a line {DEPTH} edges below the "
+        "boundary after a moving average over one edge, root mean square."
     )
     return Table(header, rows, note)
 
@@ -146,7 +153,12 @@ def kind_numbers(solver: InteriorDistance, polygon: Polygon) -> list[str]:
     error = np.linalg.norm(weights @ polygon.vertices - places, axis=1).max() / diameter(polygon.vertices)
     ends = np.linalg.norm(solver.vertex_embedding - solver.embed([HAND]), axis=1).max()
     inside = solver.field(HAND, places)
-    return [f"{error:.1g}", f"{weights.min():.2g}", percent(ripples(solver, polygon) / ends), f"{inside.max() / ends:.3f}"]
+    return [
+        f"{error:.1g}",
+        f"{weights.min():.2g}",
+        percent(ripples(solver, polygon) / ends),
+        f"{inside.max() / ends:.3f}",
+    ]
 
 
 def ripples(solver: InteriorDistance, polygon: Polygon) -> float:
@@ -168,6 +180,3 @@ def ripples(solver: InteriorDistance, polygon: Polygon) -> float:
     # An even window lies half a sample off; the mean of both sides does not.
     smooth = 0.5 * (smooth[PER_EDGE:-PER_EDGE] + smooth[PER_EDGE + 1 : len(smooth) - PER_EDGE + 1])
     return float(np.sqrt(np.mean((values - smooth) ** 2)))
-
-
-__all__ = ["boundary_distances", "coordinates", "partial"]

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from figures.registry import Run
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure as Drawing
 from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
+from figures.registry import Run
 from idviewer.core import InteriorDistance, Polygon, polygon_section
 from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
 from idviewer.view.colormaps import colors
@@ -104,7 +104,9 @@ def show_part(
     shown = (part & np.isfinite(values))[corners].all(axis=1)
     used, triangles = np.unique(corners[shown], return_inverse=True)
     mesh = Triangulation(*filling.points[used].T, triangles.reshape(-1, 3))
-    axes.tripcolor(mesh, values[used], shading="gouraud", cmap=COLORS, vmin=span[0], vmax=span[1], rasterized=True)
+    axes.tripcolor(
+        mesh, values[used], shading="gouraud", cmap=COLORS, vmin=span[0], vmax=span[1], rasterized=True
+    )
     levels = np.linspace(*span, 4 * ISOLINES + 1)[1:-1]
     axes.tricontour(mesh, values[used], levels=levels, colors=[INK], linewidths=0.7)
     outline(axes, filling.polygon, width=1.8)
@@ -121,7 +123,9 @@ def outline(axes: Axes, polygon: Polygon, color: ArrayLike = INK, width: float =
 
 def dot(axes: Axes, point: ArrayLike, color: ArrayLike = (0.0, 0.0, 0.0), size: float = 7.0) -> None:
     """A source, black, or something else."""
-    axes.plot(*np.asarray(point), "o", color=color, markersize=size, markeredgecolor="white", markeredgewidth=0.8)
+    axes.plot(
+        *np.asarray(point), "o", color=color, markersize=size, markeredgecolor="white", markeredgewidth=0.8
+    )
 
 
 def row_of(count: int, width: float = 3.3, height: float = 3.3, rows: int = 1) -> tuple[Drawing, NDArray]:

@@ -9,10 +9,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from figures.bending import Floats, Map
-from figures.registry import SEED
 from numpy.typing import NDArray
 
+from figures.bending import Floats, Map
+from figures.registry import SEED
 from idviewer.core import Mesh, Plane, read_mesh, sample_path, section
 from idviewer.core.plane import AXES
 from idviewer.core.slice_mesh import slice_mesh

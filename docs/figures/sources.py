@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
+
 from figures import flat
 from figures.bending import Floats
 from figures.registry import Run, Table, figure
 from figures.words import number, percent
-
 from idviewer.core import InteriorDistance, Polygon, read_polygon, sample_path
 
 HAND, HEAD, BELLY, FOOT = (-0.36, 0.05), (0.0, 0.38), (0.0, -0.02), (0.32, -0.37)
@@ -50,7 +50,9 @@ def sources(run: Run) -> Table:
     flat.draw_rows(run, "3", list(places), cells)
     rows = [[f"{steps}", *map(percent, walk(solver, images, steps))] for steps in STEPS]
     note = "Shares of the largest distance. The third column bounds the second (triangle inequality)."
-    return Table(("steps from head to foot", "largest change of any value in a step", "longest step"), rows, note)
+    return Table(
+        ("steps from head to foot", "largest change of any value in a step", "longest step"), rows, note
+    )
 
 
 def walk(solver: InteriorDistance, images: Floats, steps: int) -> tuple[float, float]:
@@ -81,8 +83,8 @@ def concavity(run: Run) -> Table:
         "shape",
         "d to the upper right corner / largest d",
         "largest d inside / on the boundary",
-        "points with a negative weight",
-        "sum of negative weights, largest",
+        "sum of negative weights, mean",
+        "largest",
     )
     return Table(header, rows)
 
@@ -98,8 +100,7 @@ def concave(
     return [
         percent(values[corner] / values.max()),
         f"{values[filling.inner].max() / ends.max():.3f}",
-        percent((negative > 1e-9).mean()),
-        number(negative.max()) if negative.max() > 1e-9 else "0",
+        *(number(value) if value > 1e-9 else "0" for value in (negative.mean(), negative.max())),
     ]
 
 

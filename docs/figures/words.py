@@ -12,7 +12,13 @@ def percent(share: float) -> str:
     if share == 0.0:
         return "0 %"
     number = 100.0 * share
-    return f"{number:.0f} %" if abs(number) >= 9.95 else f"{number:.1f} %" if abs(number) >= 0.1 else f"{number:.1g} %"
+    return (
+        f"{number:.0f} %"
+        if abs(number) >= 9.95
+        else f"{number:.1f} %"
+        if abs(number) >= 0.1
+        else f"{number:.1g} %"
+    )
 
 
 def number(value: float) -> str:
