@@ -82,6 +82,7 @@ def concavity(run: Run) -> Table:
     header = (
         "shape",
         "d to the upper right corner / largest d",
+        "with maximum entropy coordinates",
         "largest d inside / on the boundary",
         "sum of negative weights, mean",
         "largest",
@@ -99,9 +100,17 @@ def concave(
     negative = negative[np.isfinite(negative)]
     return [
         percent(values[corner] / values.max()),
+        percent(corner_share(filling.polygon, source)),
         f"{values[filling.inner].max() / ends.max():.3f}",
         *(number(value) if value > 1e-9 else "0" for value in (negative.mean(), negative.max())),
     ]
+
+
+def corner_share(polygon: Polygon, source: tuple[float, float]) -> float:
+    """d to the upper right corner over the largest d, with coordinates that are never negative."""
+    solver, filling = InteriorDistance(polygon, coordinates="maximum_entropy"), flat.Filling.of(polygon, 3000)
+    values = filling.distances(solver, source)
+    return float(values[nearest(filling.points, (1.0, 1.0))] / values.max())
 
 
 def nearest(points: Floats, place: tuple[float, float]) -> int:
