@@ -11,8 +11,9 @@ INSTALL := $(PYTHON_IN) -m pip --disable-pip-version-check install --quiet
 MESH ?=
 BENCH_ARGS ?=
 PYTEST_ARGS ?=
+FIGURES ?=
 
-.PHONY: help run test check lint test-core bench pictures shapes clean system-run system-test
+.PHONY: help run test check lint test-core bench pictures figures shapes clean system-run system-test
 
 help: ## this list
 	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  make \1\t\2/p' Makefile | expand -t 18
@@ -40,6 +41,9 @@ bench: system-test $(VENV)/installed-test ## speed, errors and memory, beside pe
 
 pictures: system-test $(VENV)/installed-test ## draw the pictures of the documentation again
 	@$(PYTHON_IN) docs/pictures.py
+
+figures: system-test $(VENV)/installed-test ## do the paper's experiments again: docs/figures.md and its pictures (FIGURES="5 11" for some)
+	@cd docs && ../$(PYTHON_IN) -m figures $(FIGURES)
 
 shapes: $(VENV)/installed-shapes ## make the bundled shapes again
 	@$(PYTHON_IN) assets/make_shapes.py
