@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
-from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QWidget
 from pytestqt.qtbot import QtBot
 from tests.view.mouse import Mouse
 from tests.view.polygons import write_star
 from tests.view.windows import (
+    drop,
     pixels_of,
     place,
     show_shape,
@@ -67,7 +67,9 @@ def test_it_is_looked_straight_down_on_as_a_whole(window: MainWindow) -> None:
     pixels = viewport.projection.project(np.column_stack([vertices_of(window), np.zeros(40)]))
     assert pixels.min() > 0
     assert pixels[:, 1].max() < viewport.height()
-    assert np.ptp(pixels[:, 1]) > 0.8 * viewport.height()
+    assert pixels[:, 0].max() < viewport.width() - 100  # beside the scale bar
+    free = np.array([viewport.width() - 180, viewport.height()])
+    assert (np.ptp(pixels, axis=0) / free).max() > 0.85
     sizes = [viewport.projection.pixel_size([x, 0.0, z]) for x, z in ((0, 0), (1, 0), (0, 1))]
     np.testing.assert_allclose(sizes, sizes[0])  # nothing is nearer
 
@@ -206,12 +208,12 @@ def test_a_dragged_vertex_takes_the_distances_along(qtbot: QtBot, mouse: Mouse, 
     ranges: list[tuple[float, float]] = []
     session.framed.connect(lambda frame: ranges.append(frame.value_range))
     x, y = at(window, TIP)
-    mouse.drag(viewport, (x + 2, y + 1), (x + 52, y + 61), steps=10)
+    mouse.drag(viewport, (x + 2, y + 1), (x + 42, y - 39), steps=10)
     frame = wait_until_done(qtbot, session)
     moved = vertices_of(window)
     assert np.array_equal(np.delete(moved, TIP, axis=0), np.delete(start, TIP, axis=0))
     np.testing.assert_allclose(
-        viewport.projection.project([[*moved[TIP], 0.0]])[0], [x + 50, y + 60], atol=1.0
+        viewport.projection.project([[*moved[TIP], 0.0]])[0], [x + 40, y - 40], atol=1.0
     )
     assert frame.shape is session.state.shape
     assert first is not None
@@ -325,14 +327,17 @@ def test_no_stale_picture_after_a_hundred_moves(qtbot: QtBot, mouse: Mouse, wind
     window.session.framed.connect(frames.append)
     x, y = at(window, TIP)
     angles = np.linspace(0, 6 * np.pi, 100)
-    way = [(x + 30 * np.sin(a), y + 40 - 40 * np.cos(a)) for a in angles] + [(x + 25, y + 30)]
-    mouse.swing(window.viewport, [(x, y), *way])
+    way = [(x + 30 * np.sin(a), y - 40 + 40 * np.cos(a)) for a in angles] + [(x + 25, y - 30)]
+    mouse.press(window.viewport, x, y)
+    for to_x, to_y in way:
+        mouse.move(window.viewport, round(to_x), round(to_y))
+    mouse.release()
     frame = wait_until_done(qtbot, window.session)
     assert frame.shape is window.session.state.shape
     assert len(frames) > 5
     dragged = vertices_of(window)
     np.testing.assert_allclose(
-        window.viewport.projection.project([[*dragged[TIP], 0.0]])[0], [x + 25, y + 30], atol=1.5
+        window.viewport.projection.project([[*dragged[TIP], 0.0]])[0], [x + 25, y - 30], atol=1.5
     )
     drawn = pixels_of(window).astype(int)
     window.session.show(window.session.state.shape)  # the same from nothing
@@ -372,10 +377,7 @@ def test_dropped_polygons_open(qtbot: QtBot, tmp_path: Path, suffix: str) -> Non
             path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg"><polygon points="{points}"/></svg>')
         else:
             write_polygon(outline, path)
-    mime = QMimeData()
-    mime.setUrls([QUrl.fromLocalFile(str(path))])
-    how = (Qt.DropAction.CopyAction, mime, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
-    QApplication.sendEvent(window, QDropEvent(QPointF(300, 300), *how))
+    drop(window, path)
     wait_until_done(qtbot, window.session)
     assert window.session.state.shape.dimension == 2
     assert window.windowTitle().startswith(path.name)

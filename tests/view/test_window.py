@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QFileDialog, QWidget
+from PySide6.QtWidgets import QFileDialog, QWidget
 from pytestqt.qtbot import QtBot
 from tests.core import shapes
 from tests.view.mouse import Mouse
 from tests.view.windows import (
     AXES,
     Gate,
+    drop,
     focus,
     pixels_of,
     show_shape,
@@ -51,20 +49,6 @@ def ellipsoid(tmp_path: Path) -> Path:
 @pytest.fixture
 def window(qtbot: QtBot, ellipsoid: Path) -> MainWindow:
     return show_shape(qtbot, ellipsoid)
-
-
-def drop(window: MainWindow, *paths: Path) -> None:
-    """The events that a file manager's drag and drop sends."""
-    mime = QMimeData()
-    mime.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
-    here, how = QPointF(300, 300), (mime, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
-    with warnings.catch_warnings():
-        # Qt changes what it takes from version to version.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        enter = QDragEnterEvent(here.toPoint(), Qt.DropAction.CopyAction, *how)
-    QApplication.sendEvent(window, enter)
-    assert enter.isAccepted()
-    QApplication.sendEvent(window, QDropEvent(here, Qt.DropAction.CopyAction, *how))
 
 
 # Opening

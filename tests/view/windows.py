@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import threading
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QWidget
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent, QImage
+from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from tests.core import shapes
 from trimesh import Trimesh
@@ -152,3 +154,17 @@ def grip(viewport: Viewport, part: Part) -> tuple[float, float]:
     x, y = place(viewport, point)
     assert handle.part_at(x, y) is part
     return x, y
+
+
+def drop(window: MainWindow, *paths: Path) -> None:
+    """The events that a file manager's drag and drop sends."""
+    mime = QMimeData()
+    mime.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    here, how = QPointF(300, 300), (mime, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
+    with warnings.catch_warnings():
+        # Qt changes what it takes from version to version.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        enter = QDragEnterEvent(here.toPoint(), Qt.DropAction.CopyAction, *how)
+    QApplication.sendEvent(window, enter)
+    assert enter.isAccepted()
+    QApplication.sendEvent(window, QDropEvent(here, Qt.DropAction.CopyAction, *how))

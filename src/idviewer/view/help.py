@@ -54,14 +54,23 @@ SHEET: dict[str, tuple[tuple[str, str], ...]] = {
 }
 
 
+COLUMNS = (("Source", "Slicing plane", "Polygon"), ("Camera", "Program"))
+"""The sheet is no higher than a small screen."""
+
+
 def sheet_html() -> str:
     """The sheet as rich text."""
-    rows: list[str] = []
-    for title, entries in SHEET.items():
-        space = 14 if rows else 0
-        rows.append(f"<tr><td colspan=2 style='padding-top:{space}px'><b>{title}</b></td></tr>")
-        rows += [f"<tr><td style='padding-right:28px'>{k}</td><td>{what}</td></tr>" for k, what in entries]
-    return f"<table cellspacing=0 cellpadding=2>{''.join(rows)}</table>"
+    columns = "".join(
+        f"<td style='padding-right:36px'>{''.join(map(_part, titles))}</td>" for titles in COLUMNS
+    )
+    return f"<table cellspacing=0 cellpadding=0><tr>{columns}</tr></table>"
+
+
+def _part(title: str) -> str:
+    rows = "".join(
+        f"<tr><td style='padding-right:20px'>{k}</td><td>{what}</td></tr>" for k, what in SHEET[title]
+    )
+    return f"<p><b>{title}</b></p><table cellspacing=0 cellpadding=2>{rows}</table>"
 
 
 class HelpSheet(QDialog):

@@ -29,7 +29,7 @@ class CoordinatesRow(QWidget):
         super().__init__()
         self.box = choice((name, kind.title) for name, kind in COORDINATES.items())
         self.box.activated.connect(lambda: calls.set(coordinates=self.box.currentData()))
-        self._dimension = 0
+        self._dimension, self._shown = 0, ""
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(QLabel("Inside by"))
@@ -43,10 +43,11 @@ class CoordinatesRow(QWidget):
             for row, kind in enumerate(COORDINATES.values()):
                 if self._dimension in kind.dimensions:
                     self.box.setItemData(row, properties_html(kind), Qt.ItemDataRole.ToolTipRole)
-        row = self.box.findData(state.query.coordinates)
-        if row != self.box.currentIndex() or not self.box.toolTip():
-            self.box.setCurrentIndex(row)
+        if state.query.coordinates != self._shown:
+            self._shown = state.query.coordinates
             self.box.setToolTip(properties_html(COORDINATES[state.query.coordinates]))
+        # Also where nothing has changed but what was chosen and refused.
+        self.box.setCurrentIndex(self.box.findData(state.query.coordinates))
 
 
 def properties_html(kind: type[Coordinates]) -> str:

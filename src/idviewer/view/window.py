@@ -15,7 +15,7 @@ from idviewer.core import DistanceError, MeshError, Shape, ShapeError
 from idviewer.core.rays import Ray
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.session.session import Session
-from idviewer.session.state import Frame, Progress, QueryError, Ready, State
+from idviewer.session.state import Frame, Progress, QueryError, State
 from idviewer.view import dialogs, images
 from idviewer.view.dialogs import PictureRequest
 from idviewer.view.flat import is_flat
@@ -62,9 +62,9 @@ class MainWindow(QMainWindow):
             (session.changed, self._on_changed),
             (session.framed, self._on_framed),
             (session.failed, self.on_failed),
-            (session.progressed, self._on_progressed),
+            (session.progressed, self.status.show_progress),
             (session.opened, self._on_opened),
-            (session.readied, self._on_readied),
+            (session.readied, self.status.show_ready),
         ]
         for signal, slot in self._connections:
             signal.connect(slot)
@@ -157,9 +157,6 @@ class MainWindow(QMainWindow):
         else:
             self.complain(str(error) or type(error).__name__)
 
-    def _on_progressed(self, progress: Progress | None) -> None:
-        self.status.show_progress(progress)
-
     def _on_opened(self, mesh: Shape, path: Path | None) -> None:
         self.viewport.reset_view()
         self._reshaper.forget()
@@ -170,9 +167,6 @@ class MainWindow(QMainWindow):
             self.messages.tell("note", " ".join(mesh.notes))
         else:
             self.messages.clear()
-
-    def _on_readied(self, ready: Ready) -> None:
-        self.status.show_ready(ready)
 
     # What the user asks for
 
@@ -233,7 +227,10 @@ class MainWindow(QMainWindow):
             return
         self.session.cancel()
         state, frame = self.session.state, self.session.frame
-        if state.shape is not None and (frame is None or not frame.exact or frame.query != state.query):
+        complete = (
+            frame is not None and frame.exact and (frame.shape, frame.query) == (state.shape, state.query)
+        )
+        if state.shape is not None and not complete:
             self.status.show_stopped()
 
     def _switch_quantity(self) -> None:
