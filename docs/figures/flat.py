@@ -131,7 +131,7 @@ def dot(axes: Axes, point: ArrayLike, color: ArrayLike = (0.0, 0.0, 0.0), size: 
 def row_of(count: int, width: float = 3.3, height: float = 3.3, rows: int = 1) -> tuple[Drawing, NDArray]:
     """A drawing with so many axes side by side, sizes in inches a cell; and the axes (rows, count)."""
     drawing = Drawing(figsize=(width * count, height * rows), layout="constrained", facecolor="white")
-    drawing.get_layout_engine().set(w_pad=0.03, h_pad=0.03, wspace=0.01, hspace=0.01)
+    drawing.get_layout_engine().set(w_pad=0.03, h_pad=0.07, wspace=0.01, hspace=0.01)
     return drawing, drawing.subplots(rows, count, squeeze=False)
 
 
@@ -162,7 +162,7 @@ def draw_rows(
     """One picture of cells in rows, each row at one scale and as high as that takes."""
     count, width = len(cells) // columns, 13.2 / columns
     drawing = Drawing(figsize=(13.2, 3.0 * count), layout="constrained", facecolor="white")
-    drawing.get_layout_engine().set(w_pad=0.03, h_pad=0.03, wspace=0.01, hspace=0.02)
+    drawing.get_layout_engine().set(w_pad=0.03, h_pad=0.07, wspace=0.01, hspace=0.02)
     axes = drawing.subplots(count, columns, squeeze=False)
     for place, text, draw in zip(axes.flat, titles, cells, strict=True):
         draw(place)

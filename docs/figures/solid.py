@@ -90,7 +90,7 @@ def draw_rows(run: Run, number: str, titles: Sequence[str], pictures: Sequence[P
     width = 13.2 / columns
     heights = [min(width * row[0].shape[0] / row[0].shape[1], TALLEST) + 0.3 for row in rows]
     drawing = Drawing(figsize=(13.2, sum(heights)), layout="constrained", facecolor="white")
-    drawing.get_layout_engine().set(w_pad=0.03, h_pad=0.03, wspace=0.01, hspace=0.02)
+    drawing.get_layout_engine().set(w_pad=0.03, h_pad=0.07, wspace=0.01, hspace=0.02)
     axes = drawing.subplots(len(rows), columns, squeeze=False, height_ratios=heights)
     for place, text, pixels in zip(axes.flat, titles, itertools.chain(*rows), strict=True):
         show_pixels(place, pixels)
