@@ -50,6 +50,12 @@ def settled(desk):
     return desk
 
 
+def test_a_shape_shown_again_is_computed_again(settled):
+    settled.session.show(MESH)
+    settled.settle()
+    assert settled.session.frame.exact
+
+
 def test_a_mesh_shown_ends_in_an_exact_frame_through_its_barycentroid(settled):
     frame = settled.session.frame
     assert frame.exact

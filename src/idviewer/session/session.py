@@ -169,7 +169,10 @@ class Session:
         planes = (default_plane(shape),) if shape.dimension == 3 else ()
         query = replace(self.state.query, planes=planes, source=None, distance=distance)
         display = replace(self.state.display, active_plane=0)
+        shown = self.state.shape, self.state.query
         self._change(State(shape, query, display))
+        if shown == (shape, query):  # shown again: nothing has changed, and there is no frame any more
+            self._compute()
         self.opened.emit(shape, path)
 
     def _change(self, new: State) -> None:
