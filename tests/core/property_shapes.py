@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from copy import copy
 from functools import cache
 
 import numpy as np
+import pytest
 import scipy.linalg
 from tests.core import shapes
 
 from idviewer.core import (
+    COORDINATES,
     GPS,
     Biharmonic,
     CommuteTime,
@@ -39,6 +42,16 @@ BUNDLED = ("hand_2k", "gingerbread", "plate")
 
 EXACT = ("diffusion", "filter", "gps", "biharmonic", "commute", "euclidean", "matrix", "embedding")
 """Names of the distances that have an exact embedding (the paper's classes 1 and 2)."""
+
+
+def thorough(quick: Iterable[str], everything: Iterable[str]) -> list[object]:
+    """Parameters of which all but the quick ones are left to the slow tests: together they are many."""
+    slow = pytest.mark.slow
+    return [name if name in quick else pytest.param(name, marks=slow) for name in everything]
+
+
+EVERYWHERE = pytest.mark.parametrize("name", thorough(("random mesh", "random polygon with a hole"), RANDOM))
+BY_ALL_COORDINATES = pytest.mark.parametrize("coordinates", thorough(("mean_value",), COORDINATES))
 
 
 @cache

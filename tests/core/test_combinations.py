@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.core.property_shapes import inside, shape
+from tests.core.property_shapes import BY_ALL_COORDINATES, inside, shape
 
 from idviewer.core import (
-    COORDINATES,
     DISTANCES,
     Coordinates,
     Distance,
@@ -29,7 +28,7 @@ def complete(kind: str, vertices: np.ndarray) -> Distance:
 
 @SHAPES
 @pytest.mark.parametrize("kind", DISTANCES)
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_all_go_together(name, kind, coordinates, rng):
     body = shape(name)
     solver = InteriorDistance(body, complete(kind, body.vertices), coordinates)

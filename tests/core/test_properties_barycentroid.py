@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.core.property_shapes import (
+    BY_ALL_COORDINATES,
+    EVERYWHERE,
     EXACT,
     RANDOM,
     dense_modes,
@@ -12,11 +14,11 @@ from tests.core.property_shapes import (
     pairs,
     shape,
     solver_of,
+    thorough,
     with_vertices,
 )
 
 from idviewer.core import (
-    COORDINATES,
     GPS,
     Biharmonic,
     Diffusion,
@@ -27,12 +29,11 @@ from idviewer.core import (
 )
 
 SPECTRAL = ["diffusion", "filter", "gps", "biharmonic"]
-EVERYWHERE = pytest.mark.parametrize("name", RANDOM)
 
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", SPECTRAL)
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_the_potential_is_the_quadratic_form_of_the_gram_matrix(name, kind, coordinates):
     """ "Minimizing this area weighted average is equivalent to minimizing U^2(p) = w(p)^T A w(p)."
 
@@ -71,6 +72,7 @@ def test_the_potential_of_every_distance_is_the_mean_but_for_a_constant(name, ki
     np.testing.assert_allclose(difference, difference[0], atol=1e-9 * mean.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*RANDOM, "gingerbread"])
 @pytest.mark.parametrize("distance", [Diffusion(), GPS(), Biharmonic(), SpectralFilter("1 / (1 + lambda)")])
 def test_the_barycentroid_goes_with_the_shape(name, distance, rng):
@@ -91,7 +93,7 @@ def test_the_barycentroid_goes_with_the_shape(name, distance, rng):
     assert np.linalg.norm(image.point - expected) < 1e-3 * moved.diagonal
 
 
-@pytest.mark.parametrize("name", RANDOM)
+@pytest.mark.parametrize("name", thorough(("random polygon with a hole",), RANDOM))
 def test_the_barycentroid_is_insensitive_to_noise_on_the_boundary(name, rng):
     """Figure 12: "the barycentroid is insensitive to noise". 0.3 % of the diagonal moves it by 5 %."""
     body = shape(name)

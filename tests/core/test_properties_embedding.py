@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tests.core.property_shapes import (
     BUNDLED,
+    BY_ALL_COORDINATES,
+    EVERYWHERE,
     EXACT,
     RANDOM,
     boundary_squares,
@@ -18,8 +20,6 @@ from tests.core.property_shapes import (
 from idviewer.core import COORDINATES, Euclidean, GivenDistances, GivenEmbedding, InteriorDistance, Property
 from idviewer.core.scaling import double_centred
 
-EVERYWHERE = pytest.mark.parametrize("name", RANDOM)
-
 
 def quadratic(form: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """sum_ij form_ij one_i other_j, row by row."""
@@ -28,7 +28,7 @@ def quadratic(form: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarra
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", EXACT)
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_independence_of_the_embedding_by_four_equations(name, kind, coordinates):
     """ "The interior distance is uniquely determined by the input boundary distance d and the weights; it
     does not depend on the specific embedding used." Eq. 1 = eq. 2 = eq. 4 = eq. 5.
@@ -58,7 +58,7 @@ def test_independence_of_the_embedding_by_four_equations(name, kind, coordinates
 
 
 @EVERYWHERE
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_independence_of_the_embedding_by_different_embeddings(name, coordinates, rng):
     """ "... it does not depend on the specific embedding used": the Gram matrix's eigenvectors, the Cholesky
     factor of the one about vertex 0, and both turned, mirrored and moved give the same numbers.
@@ -87,7 +87,7 @@ def test_independence_of_the_embedding_by_different_embeddings(name, coordinates
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", EXACT)
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_interpolation(name, kind, coordinates, rng):
     """ "d^ interpolates d on the boundary: d^(v_i, v_j) = d(v_i, v_j)"; d is computed from its definition."""
     body = shape(name)

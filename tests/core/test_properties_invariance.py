@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tests.core import shapes
 from tests.core.property_shapes import (
+    BY_ALL_COORDINATES,
+    EVERYWHERE,
     EXACT,
     RANDOM,
     Body,
@@ -18,7 +20,6 @@ from tests.core.property_shapes import (
 )
 
 from idviewer.core import (
-    COORDINATES,
     GPS,
     Biharmonic,
     CommuteTime,
@@ -33,7 +34,6 @@ from idviewer.core import (
     SpectralFilter,
 )
 
-EVERYWHERE = pytest.mark.parametrize("name", RANDOM)
 HEAT = "exp(-lambda / (8 * lambda_2))"
 
 
@@ -77,7 +77,7 @@ def clear_segment(body: Body, rng: np.random.Generator) -> tuple[np.ndarray, np.
 
 
 @pytest.mark.parametrize("name", [*RANDOM, "gingerbread"])
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_smoothness_along_lines_through_planes_of_faces(name, coordinates, rng):
     """ "The distance does not experience any discontinuities", it is "smooth within the shape interior".
 
@@ -167,7 +167,7 @@ phi / lambda^1/2, biharmonic like phi / lambda.
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", POWERS)
-@pytest.mark.parametrize("size", [3.0, 1e-9, 1e6])
+@pytest.mark.parametrize("size", [3.0, 1e-9, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_scale_law(name, kind, size):
     body, (p, q) = shape(name), pairs(name)
     distance, *powers = POWERS[kind]
@@ -203,7 +203,7 @@ def renumbered(body: Body, order: np.ndarray, rng: np.random.Generator) -> Body:
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", [*EXACT, "geodesic"])
-@pytest.mark.parametrize("coordinates", COORDINATES)
+@BY_ALL_COORDINATES
 def test_renumbering_changes_nothing(name, kind, coordinates, rng):
     body, (p, q) = shape(name), pairs(name)
     order = rng.permutation(len(body.vertices))

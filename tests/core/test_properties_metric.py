@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.core.property_shapes import (
+    EVERYWHERE,
     EXACT,
     RANDOM,
     full_rank,
@@ -12,6 +13,7 @@ from tests.core.property_shapes import (
     shape,
     solver_of,
     stretch,
+    thorough,
 )
 
 from idviewer.core import (
@@ -26,7 +28,6 @@ from idviewer.core import (
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.equations import squares_of
 
-EVERYWHERE = pytest.mark.parametrize("name", RANDOM)
 POSITIVE = [name for name, kind in COORDINATES.items() if Property.NON_NEGATIVITY in kind.properties]
 BARYCENTRIC = [name for name, kind in COORDINATES.items() if Property.LINEAR_PRECISION in kind.properties]
 
@@ -64,7 +65,7 @@ def test_metric_also_where_modes_are_cut_off(name, kind, rng):
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", ["commute", "diffusion"])
-@pytest.mark.parametrize("coordinates", BARYCENTRIC)
+@pytest.mark.parametrize("coordinates", thorough(("mean_value",), BARYCENTRIC))
 def test_metric_of_full_rank(name, kind, coordinates, rng):
     """ "If the Gram matrix A is conditionally positive definite, then d^ is a metric": d^(p, q) = 0 only if
     p = q. The proof says more: d^(p, q) >= c |p - q|, with a c that depends on A and the vertices alone.
@@ -72,7 +73,7 @@ def test_metric_of_full_rank(name, kind, coordinates, rng):
     body = shape(name)
     solver = full_rank(body, kind, coordinates)
     bound = stretch(solver)
-    assert bound > 0
+    assert bound * body.diagonal > 1e-3 * np.sqrt(squares_of(solver.vertex_embedding).max())
     points = np.concatenate([inside(body, rng, 40), body.vertices[:10]])
     check_axioms(all_distances(solver, points))
     p = np.repeat(points, 40, axis=0)
@@ -96,7 +97,7 @@ def test_without_conditional_positive_definiteness_it_need_not_be_one(rng):
 
 @EVERYWHERE
 @pytest.mark.parametrize("kind", ["commute", "diffusion"])
-@pytest.mark.parametrize("coordinates", BARYCENTRIC)
+@pytest.mark.parametrize("coordinates", thorough(("mean_value",), BARYCENTRIC))
 def test_same_topology_along_sequences(name, kind, coordinates, rng):
     """ "For a sequence of points p_n, d^(p_n, p) -> 0 if and only if |p_n - p| -> 0", inside and at vertices.
 
@@ -107,6 +108,7 @@ def test_same_topology_along_sequences(name, kind, coordinates, rng):
     bound = stretch(solver)
     points = inside(body, rng, 30)
     largest = np.sqrt(squares_of(solver.vertex_embedding).max())
+    assert bound * body.diagonal > 1e-3 * largest
     steps = 0.5 ** np.arange(40.0)[:, None]
     for limit in (*points[:5], *body.vertices[:5]):
         near = limit + 1e-3 * (points - limit)
@@ -125,7 +127,7 @@ def test_same_topology_along_sequences(name, kind, coordinates, rng):
 
 
 @EVERYWHERE
-@pytest.mark.parametrize("coordinates", BARYCENTRIC)
+@pytest.mark.parametrize("coordinates", thorough(("mean_value",), BARYCENTRIC))
 def test_same_topology_of_balls(name, coordinates, rng):
     """ "The opposite implication": what lies in a small ball of d^ lies in a small Euclidean ball."""
     body = shape(name)
@@ -143,7 +145,9 @@ def test_same_topology_of_balls(name, coordinates, rng):
     np.testing.assert_allclose(np.divide(sizes[3:], sizes[2:-1]), 0.1, rtol=0.3)
 
 
-@pytest.mark.parametrize("name", [*RANDOM, "gingerbread", "plate", "bay_3", "spiral", "snake"])
+@pytest.mark.parametrize(
+    "name", thorough((*RANDOM, "plate"), [*RANDOM, "gingerbread", "plate", "bay_3", "spiral", "snake"])
+)
 @pytest.mark.parametrize("coordinates", POSITIVE)
 def test_maximum_principle(name, coordinates, rng):
     """ "If the weights are non-negative, then the diameter of the interior under d^ is not greater than the
