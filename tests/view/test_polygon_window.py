@@ -24,7 +24,7 @@ from tests.view.windows import (
     write_ellipsoid,
 )
 
-from idviewer.core import COORDINATES, read_polygon, write_polygon
+from idviewer.core import COORDINATES, Polygon, read_polygon, write_polygon
 from idviewer.core.coordinates import Property
 from idviewer.session.state import Frame
 from idviewer.view.dialogs import PictureRequest
@@ -324,6 +324,8 @@ def test_hidden_vertices_cannot_be_grabbed(mouse: Mouse, window: MainWindow) -> 
 
 def test_no_stale_picture_after_a_hundred_moves(qtbot: QtBot, mouse: Mouse, window: MainWindow) -> None:
     frames: list[Frame] = []
+    window.session.set(source=(0.0, 0.0, 0.0))
+    wait_until_done(qtbot, window.session)
     window.session.framed.connect(frames.append)
     x, y = at(window, TIP)
     angles = np.linspace(0, 6 * np.pi, 100)
@@ -339,10 +341,14 @@ def test_no_stale_picture_after_a_hundred_moves(qtbot: QtBot, mouse: Mouse, wind
     np.testing.assert_allclose(
         window.viewport.projection.project([[*dragged[TIP], 0.0]])[0], [x + 25, y - 30], atol=1.5
     )
-    drawn = pixels_of(window).astype(int)
-    window.session.show(window.session.state.shape)  # the same from nothing
-    wait_until_done(qtbot, window.session)
     mouse.move(window.status, 5, 5)
+    qtbot.wait(50)
+    drawn, shape, pose = pixels_of(window).astype(int), frame.shape, window.viewport.pose
+    assert isinstance(shape, Polygon)
+    window.session.show(Polygon(shape.vertices, shape.loops))  # the same from nothing
+    window.session.set(source=(0.0, 0.0, 0.0))
+    window.viewport._eye.stand(pose)
+    wait_until_done(qtbot, window.session)
     qtbot.waitUntil(lambda: (np.abs(pixels_of(window).astype(int) - drawn).max(axis=2) > 60).mean() < 0.004)
 
 
