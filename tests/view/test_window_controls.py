@@ -25,6 +25,7 @@ from tests.view.windows import (
 )
 
 from idviewer.core import DISTANCES, GPS, Diffusion, InteriorDistance, Mesh
+from idviewer.core.distances import missing
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.view import help as help_sheet
@@ -142,12 +143,14 @@ def test_the_barycentroid_becomes_the_source_again(qtbot: QtBot, mouse: Mouse, w
 
 
 def test_every_distance_can_be_shown(qtbot: QtBot, window: MainWindow) -> None:
+    """All but those that need a file first, which the panel's own tests show."""
+    ready = {name: kind for name, kind in DISTANCES.items() if not missing(kind())}
     titles = set()
-    for name, kind in DISTANCES.items():
+    for name, kind in ready.items():
         window.session.set(distance=kind())
         titles.add(wait_until_done(qtbot, window.session).title)
         assert window.panel.distance.kind.currentData() == name
-    assert len(titles) == len(DISTANCES)
+    assert len(titles) == len(ready) >= 6
 
 
 def test_dragging_the_time_recolours_live_without_sampling(
