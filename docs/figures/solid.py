@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -64,16 +63,9 @@ def picture(
     shown = query.quantity == "potential"
     display = Display(isolines=ISOLINES, scale_bar=False, handle=False, barycentroid=shown)
     size = 64 if run.tiny else side
-    fitted = Vertices(np.asarray(around)) if len(np.asarray(around)) else mesh
-    camera = default_camera(fitted, facing or query.planes[0], 1.0)  # type: ignore[arg-type]
+    fitted = np.asarray(around) if len(np.asarray(around)) else mesh.vertices
+    camera = default_camera(fitted, facing or query.planes[0], 1.0)
     return image(State(mesh, query, display), frame, (size, size), camera), frame
-
-
-@dataclass(frozen=True)
-class Vertices:
-    """What a camera wants to know of a shape."""
-
-    vertices: NDArray[np.float64]
 
 
 def cropped(pictures: Sequence[Pixels], margin: int = 4) -> list[Pixels]:

@@ -129,7 +129,7 @@ def test_beside_a_scale_bar_it_moves_to_the_left() -> None:
 
 
 def test_the_default_view_looks_straight_down() -> None:
-    position, focal, up = map(np.array, default_camera(star(), None))
+    position, focal, up = map(np.array, default_camera(star().vertices, None))
     np.testing.assert_allclose((focal - position)[:2], 0.0, atol=1e-12)
     assert focal[2] - position[2] < 0
     np.testing.assert_allclose(up, [0, 1, 0], atol=1e-12)

@@ -140,7 +140,7 @@ NORMALS = [(0, 0, 1), (0, 0, -1), (1, 0, 0), (0, -1, 0), (0.3, 0.5, 0.8), (0.1, 
 def test_the_first_view_shows_the_whole_body_obliquely_from_the_normals_side(normal, aspect):
     mesh = sphere(2.0, (30.0, -10.0, 5.0), level=2)
     plane = Plane((30.0, -10.0, 5.0), normal)
-    position, focal, up = map(np.array, default_camera(mesh, plane, aspect))
+    position, focal, up = map(np.array, default_camera(mesh.vertices, plane, aspect))
     back = (position - focal) / np.linalg.norm(position - focal)
     assert np.degrees(np.arccos(back @ plane.normal)) == pytest.approx(25, abs=0.5)
     wanted_up = np.array([0, 1, 0]) if abs(plane.normal[2]) > 0.9 else np.array([0, 0, 1])

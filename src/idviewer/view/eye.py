@@ -53,27 +53,27 @@ class Eye:
         renderer.camera_set = True
         self._request_draw()
 
-    def reset(self, mesh: Shape, plane: Plane | None) -> None:
+    def reset(self, shape: Shape, plane: Plane | None) -> None:
         """Shows a whole shape from the side where it begins, a polygon flat."""
-        self._flat = is_flat(mesh)
-        position, focal, up = default_camera(mesh, plane, self._aspect)
+        self._flat = is_flat(shape)
+        position, focal, up = default_camera(shape.vertices, plane, self._aspect)
         self._pole = camera.nearest_axis(up)
         self._stand_beside_bar(Pose(np.array(position), np.array(focal), np.array(up)))
 
-    def next_up(self, mesh: Shape) -> None:
+    def next_up(self, shape: Shape) -> None:
         """Has another axis point upwards; files do not say which one is meant to."""
         self._pole = np.roll(np.abs(self._pole), 1)
-        self.look_along(mesh, -self.pose.axes[2])
+        self.look_along(shape, -self.pose.axes[2])
 
-    def look_from(self, mesh: Shape, view: camera.View) -> None:
+    def look_from(self, shape: Shape, view: camera.View) -> None:
         """Shows a whole shape from an axis."""
-        self.look_along(mesh, camera.view_direction(view, self._pole))
+        self.look_along(shape, camera.view_direction(view, self._pole))
 
-    def look_along(self, mesh: Shape, direction: camera.Vector) -> None:
+    def look_along(self, shape: Shape, direction: camera.Vector) -> None:
         """Shows a whole shape along a direction."""
         angle = np.radians(self._plotter.renderer.GetActiveCamera().GetViewAngle())
         up = camera.upright(direction, self._pole)
-        self._stand_beside_bar(camera.look(direction, up, mesh.vertices, angle, self._aspect))
+        self._stand_beside_bar(camera.look(direction, up, shape.vertices, angle, self._aspect))
 
     def orbit(self, right: float, down: float) -> None:
         """Turns the shape after a mouse that moved so far."""

@@ -119,29 +119,29 @@ def write_image(
 
 
 def default_camera(
-    mesh: Shape, plane: Plane | None, aspect: float = WINDOW[0] / WINDOW[1]
+    points: NDArray[np.float64], plane: Plane | None, aspect: float = WINDOW[0] / WINDOW[1]
 ) -> tuple[Point, Point, Point]:
     """The first view: the whole body, a little obliquely from the side that the plane's normal points to.
 
-    A polygon is looked straight down on.
+    What lies in the plane is looked straight down on.
 
     Args:
-        mesh: the body, or a polygon.
+        points: (n, 3) or (n, 2) all that is to be seen: a shape's vertices.
         plane: the plane to look at; None looks along -y.
         aspect: the picture's width over its height.
 
     Returns:
         Position, focal point and up vector. Up is z, or y where the normal is near z.
     """
-    if is_flat(mesh):
-        pose = look(DOWN, NORTH, mesh.vertices, np.radians(ANGLE), aspect)
+    if points.shape[1] == 2:
+        pose = look(DOWN, NORTH, points, np.radians(ANGLE), aspect)
         return _point(pose.position), _point(pose.focal), _point(pose.up)
     normal = np.array(plane.normal if plane is not None else (0.0, -1.0, 0.0))
     up = np.array((0.0, 1.0, 0.0) if abs(normal[2]) > 0.9 else (0.0, 0.0, 1.0))
     sideways, upwards = np.radians(OBLIQUE)
     right = unit(np.cross(up, normal))
     eye = rotate(rotate(normal, right, -upwards), np.cross(normal, right), sideways)
-    pose = look(-eye, up, mesh.vertices, np.radians(ANGLE), aspect)
+    pose = look(-eye, up, points, np.radians(ANGLE), aspect)
     return _point(pose.position), _point(pose.focal), _point(pose.up)
 
 
@@ -165,7 +165,8 @@ def _camera(shape: Shape, planes: Sequence[Plane], size: tuple[int, int], bar: f
     """The first view beside a scale bar that takes so many pixels."""
     width, height = size
     free = bar if is_flat(shape) else 2 * bar  # a body stays in the middle
-    camera = default_camera(shape, planes[0] if planes else None, max(width - free, 0.5 * width) / height)
+    aspect = max(width - free, 0.5 * width) / height
+    camera = default_camera(shape.vertices, planes[0] if planes else None, aspect)
     if not is_flat(shape):
         return camera
     pose = Pose(*map(np.array, camera))
