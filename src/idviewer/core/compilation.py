@@ -16,6 +16,7 @@ from idviewer.core.coordinates.maximum_entropy import MaximumEntropyCoordinates
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.mesh import Mesh
 from idviewer.core.polygon import Polygon
+from idviewer.core.simplification import simplified
 from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
 
@@ -62,6 +63,7 @@ def _spatial_calls() -> list[Callable[[], object]]:
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
         lambda: MaximumEntropyCoordinates(spindle).weights(np.full((1, 3), 0.1)),
+        lambda: simplified(spindle, len(corners) - 1),
         lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
