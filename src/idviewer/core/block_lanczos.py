@@ -1,4 +1,4 @@
-"""Block Lanczos with full reorthogonalisation, for the smallest eigenvalues of a symmetric matrix."""
+"""Block Lanczos with full reorthogonalisation, for the eigenvalues of a symmetric matrix next to a shift."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ CHUNK = 8 * BLOCK
 
 
 class BlockLanczos:
-    """A Krylov space of (A + shift)^-1, whose largest eigenvalues belong to the smallest of A.
+    """A Krylov space of (A - shift)^-1, whose largest eigenvalues belong to those of A next to the shift.
 
     One known eigenvector is left out from the start. A second pass of Gram-Schmidt keeps the basis
     orthonormal to rounding. Source: Golub and Underwood 1977, "The block Lanczos method for computing
     eigenvalues".
 
     Args:
-        factor: of A + shift.
+        factor: of A - shift.
         shift: see above.
         known: (n,) the eigenvector to leave out.
     """
@@ -76,21 +76,29 @@ class BlockLanczos:
         yield
 
     def ritz_pairs(self) -> tuple[Floats, Floats, Floats]:
-        """Approximate eigenvalues of A (ascending), their coefficients (size, k), and relative residuals."""
+        """Approximate positive eigenvalues of A, their coefficients (size, k), and relative residuals.
+
+        They are in ascending order. Those of A above the shift cannot lie above their approximations.
+        """
         thetas, coefficients = np.linalg.eigh(0.5 * (self._projected + self._projected.T))
-        thetas, coefficients = thetas[::-1], coefficients[:, ::-1]
-        residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:], axis=0) / np.abs(thetas)
-        positive = thetas > 0.0
-        return 1.0 / thetas[positive] - self._shift, coefficients[:, positive], residuals[positive]
+        with np.errstate(divide="ignore"):
+            values = self._shift + 1.0 / thetas
+        order = np.argsort(values)
+        order = order[np.searchsorted(values[order], 0.0, side="right") :]
+        order = order[np.isfinite(values[order])]
+        residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:, order], axis=0)
+        return values[order], coefficients[:, order], residuals / np.abs(thetas[order])
 
     def vectors(self, coefficients: Floats) -> Floats:
         """Vectors (n, k) of the space from their coefficients (size, k)."""
-        result = np.zeros((len(self._constant), coefficients.shape[1]), order="F")
+        # Fortran's transpose is C's array, whose rows are put into order one by one.
+        result = np.zeros((coefficients.shape[1], len(self._constant)), order="F")
         for start, chunk in zip(range(0, self.size, CHUNK), self._chunks, strict=True):
             some = coefficients[start : start + CHUNK]
-            dgemm(1.0, chunk[:, : len(some)], some, beta=1.0, c=result, overwrite_c=True)
-        vectors = np.empty(result.shape)
-        vectors[self._factor.order] = result
+            part = chunk[:, : len(some)]
+            dgemm(1.0, some, part, beta=1.0, c=result, trans_a=True, trans_b=True, overwrite_c=True)
+        vectors = np.empty(result.T.shape)
+        vectors[self._factor.order] = result.T
         return vectors
 
     def _newest(self) -> Floats:
