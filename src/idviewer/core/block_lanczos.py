@@ -21,6 +21,9 @@ point group, the icosahedron's)."""
 CHUNK = 8 * BLOCK
 """Vectors of the basis that are kept in one array, so that it grows without being copied."""
 
+ROWS = 2048
+"""Rows of a product that are taken at a time, so that they stay in the processor's cache."""
+
 
 class BlockLanczos:
     """A Krylov space of (A - shift)^-1, whose largest eigenvalues belong to those of A next to the shift.
@@ -91,14 +94,12 @@ class BlockLanczos:
 
     def vectors(self, coefficients: Floats) -> Floats:
         """Vectors (n, k) of the space from their coefficients (size, k)."""
-        # Fortran's transpose is C's array, whose rows are put into order one by one.
-        result = np.zeros((coefficients.shape[1], len(self._constant)), order="F")
-        for start, chunk in zip(range(0, self.size, CHUNK), self._chunks, strict=True):
-            some = coefficients[start : start + CHUNK]
-            part = chunk[:, : len(some)]
-            dgemm(1.0, some, part, beta=1.0, c=result, trans_a=True, trans_b=True, overwrite_c=True)
-        vectors = np.empty(result.T.shape)
-        vectors[self._factor.order] = result.T
+        vectors = np.empty((len(self._constant), coefficients.shape[1]))
+        for start in range(0, len(vectors), ROWS):
+            rows = slice(start, start + ROWS)
+            parts = zip(range(0, self.size, CHUNK), self._chunks, strict=True)
+            sums = sum(chunk[rows, : self.size - at] @ coefficients[at : at + CHUNK] for at, chunk in parts)
+            vectors[self._factor.order[rows]] = sums
         return vectors
 
     def _newest(self) -> Floats:

@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from idviewer.core._kernels import LANES, thread_count
+from idviewer.core._kernels.columns import below_diagonal, group_columns
 from idviewer.core._kernels.triangular import Columns, solve
 from idviewer.core.dissection import SEPARATOR, dissect
 
@@ -56,6 +57,8 @@ class SymmetricFactor:
         self.order: Ints = order[np.argsort(factor.perm_c)]
         levels = min(path.shape[1], math.ceil(math.log2(max(thread_count(), 2))))
         self._columns = _cut(factor.L, over, path[self.order, :levels])
+        copies = (len(self._columns.first_group) - 1) * len(self._columns.separating)
+        self._room = np.zeros((len(order) + copies, LANES))
 
     def solve(self, sides: Floats) -> Floats:
         """A^-1 b of right-hand sides (n, b)."""
@@ -73,11 +76,11 @@ class SymmetricFactor:
     def solve_ordered(self, sides: Floats) -> Floats:
         """The same of up to LANES right-hand sides whose rows, like those of the result, are in `order`."""
         count, width = sides.shape
-        copies = (len(self._columns.first_group) - 1) * len(self._columns.separating)
-        room = np.zeros((count + copies, LANES))
-        room[:count, :width] = sides
-        solve(*self._columns, room)
-        return np.asfortranarray(room[:count, :width])
+        self._room[:count, :width] = sides
+        self._room[:count, width:] = 0.0
+        self._room[count:] = 0.0
+        solve(*self._columns, self._room)
+        return np.asfortranarray(self._room[:count, :width])
 
 
 def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Columns:
@@ -90,48 +93,10 @@ def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Colum
     separating = np.flatnonzero(separates)
     number = np.zeros(count, dtype=np.int64)
     number[separating] = np.arange(len(separating))
-    column = np.repeat(np.arange(count), np.diff(lower.indptr))
-    below = lower.indices != column
-    column, rows, values = column[below], lower.indices[below].astype(np.int64), lower.data[below]
-    starts = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=count))])
-    groups, widths = _grouped(starts, column, rows, part)
-    by_part = np.argsort(part[groups], kind="stable")
-    crossing = separates[rows] & ~separates[column]
-    rows[crossing] = count + part[column[crossing]] * len(separating) + number[rows[crossing]]
-    return Columns(
-        groups[by_part],
-        widths[by_part],
-        np.searchsorted(part[groups[by_part]], np.arange(parts + 1)),
-        starts,
-        rows.astype(np.int32),
-        values,
-        over,
-        separating,
-    )
-
-
-def _grouped(starts: Ints, column: Ints, rows: Ints, part: Ints) -> tuple[Ints, Ints]:
-    """First columns and widths of groups of columns with the same entries below them, in one part each.
-
-    Args:
-        starts: (n + 1,) where the entries of each column begin.
-        column, rows: (z,) of each entry, in ascending order.
-        part: (n,) of each column.
-    """
-    sizes = np.diff(starts)
-    joins = np.zeros(len(sizes) + 1, dtype=bool)  # each column with the one before
-    candidate = np.flatnonzero((sizes[:-1] == sizes[1:] + 1) & (part[:-1] == part[1:])) + 1
-    joins[candidate] = rows[starts[candidate - 1]] == candidate
-    # An entry of such a column has its like in the column before, as many places ahead as it has entries.
-    entries = np.flatnonzero(joins[column])
-    other = rows[entries] != rows[entries - sizes[column[entries]]]
-    joins[column[entries[other]]] = False
-    run_starts = np.flatnonzero(~joins[:-1])
-    run = np.cumsum(~joins[:-1]) - 1
-    lengths = np.diff(np.append(run_starts, len(sizes)))[run]
-    place = np.arange(len(sizes)) - run_starts[run]
-    four = place // 4 * 4
-    left = lengths - four
-    widths = np.where(left >= 4, 4, np.where((left >= 2) & (place - four < 2), 2, 1))
-    first = np.where(widths == 1, True, (place - four) % widths == 0)
-    return np.flatnonzero(first), widths[first]
+    widths = group_columns(lower.indptr, lower.indices, part)
+    groups = np.flatnonzero(widths)
+    groups = groups[np.argsort(part[groups], kind="stable")]
+    first_group = np.searchsorted(part[groups], np.arange(parts + 1))
+    starts = lower.indptr - np.arange(count + 1)
+    rows, values = below_diagonal(lower.indptr, lower.indices, lower.data, part, number)
+    return Columns(groups, widths[groups], first_group, starts, rows, values, over, separating)
