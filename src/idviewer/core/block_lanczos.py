@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm
+from scipy.linalg.blas import dgemm, dtrsm
 
 from idviewer.core._kernels import LANES
 from idviewer.core.symmetric_factor import SymmetricFactor
@@ -117,11 +117,12 @@ def orthonormal(block: Floats) -> tuple[Floats, Floats]:
     >>> bool(abs(q.T @ q - np.eye(3)).max() < 1e-14)
     True
     """
-    result, total = np.asfortranarray(block), np.eye(block.shape[1])
+    result, total = np.array(block, order="F"), np.eye(block.shape[1])
     try:
         for _ in range(2):
             upper = np.linalg.cholesky(dgemm(1.0, result, result, trans_a=True)).T
-            result, total = dgemm(1.0, result, np.linalg.inv(upper)), upper @ total
+            dtrsm(1.0, upper, result, side=1, overwrite_b=True)
+            total = upper @ total
     except np.linalg.LinAlgError:
         result, total = np.linalg.qr(block)
         result = np.asfortranarray(result)
