@@ -33,7 +33,7 @@ ENOUGH = 200
 """So many points of an outline tell how large the distances on a slice are."""
 
 FINEST = 2e-5
-"""The smallest tolerance there is a tree for, in largest distances on the mesh."""
+"""The smallest tolerance there is a tree for, in largest distances on the shape."""
 
 
 class Sampler:
