@@ -13,9 +13,7 @@ from idviewer.core.distances import File, Formula, missing
 from idviewer.session.state import Frame, State
 from idviewer.view.flat import is_flat
 from idviewer.view.panel_coordinates import CoordinatesRow, fit
-from idviewer.view.parameter_rows import ParameterRow, Row, choice, row_for
-
-__all__ = ["DistanceGroup", "ParameterRow", "choice"]
+from idviewer.view.parameter_rows import Row, choice, row_for
 
 
 class _Calls(Protocol):
