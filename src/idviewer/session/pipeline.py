@@ -196,15 +196,20 @@ def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Ge
         yield Progress(stage, share)
 
 
-def run_to_end(shape: Shape, query: Query) -> Frame:
+def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> Frame:
     """The finest, exact frame of a query, computed in this thread.
+
+    Args:
+        shape: a mesh or a polygon.
+        query: what to compute.
+        pipeline: one that may know something of the shape already; a new one by default.
 
     Raises:
         ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
         QueryError: the source lies outside the shape.
     """
     last: Frame | None = None
-    for result in Pipeline().results(FrameRequest(shape, query)):
+    for result in (pipeline or Pipeline()).results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if isinstance(result, Frame):
