@@ -7,8 +7,13 @@ import os
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from pytestqt.qtbot import QtBot
+    from tests.view.mouse import Mouse
 
 # Before Qt's first look at them.
 os.environ["QT_QPA_PLATFORM"] = "xcb"
@@ -36,6 +41,16 @@ def own_settings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("settings")
     os.environ["XDG_CONFIG_HOME"] = str(folder)
     return folder
+
+
+@pytest.fixture
+def mouse(qtbot: QtBot) -> Iterator[Mouse]:
+    """The X server's mouse and keyboard."""
+    from tests.view.mouse import Mouse
+
+    mouse = Mouse(qtbot)
+    yield mouse
+    mouse.close()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -52,7 +52,7 @@ class Pipeline:
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
-        self._compiled: set[int] = set()
+        self._compiled: set[tuple[int, str]] = set()
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -86,6 +86,7 @@ class Pipeline:
             or prepared.lacks_eigenpairs(query.distance)
         ):
             prepared = yield from self._prepare(request)
+        yield from self._compile(query.coordinates, prepared.shape)  # others than those it was prepared with
         yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
         framing = Framing(prepared, query)
         modes = len(framing.solver.spectrum.values) if query.distance.spectral else 0
@@ -95,6 +96,15 @@ class Pipeline:
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from _coarse_to_fine(prepared, framing, samples)
+
+    def _compile(self, coordinates: str, shape: Shape) -> Generator[Progress, None, None]:
+        """The kernels that these coordinates need on such shapes, if that was not done yet."""
+        key = shape.dimension, coordinates
+        if key not in self._compiled:
+            yield Progress(COMPILING)
+            for share in compile_steps(*key):
+                yield Progress(COMPILING, share)
+            self._compiled.add(key)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
@@ -116,11 +126,7 @@ class Pipeline:
     ) -> Generator[Progress, None, Prepared]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
-        if shape.dimension not in self._compiled:
-            yield Progress(COMPILING)
-            for share in compile_steps(shape.dimension):
-                yield Progress(COMPILING, share)
-            self._compiled.add(shape.dimension)
+        yield from self._compile(query.coordinates, shape)
         spectrum = (yield from _eigenpairs(shape, query.distance)) if query.distance.spectral else None
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
@@ -190,15 +196,20 @@ def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Ge
         yield Progress(stage, share)
 
 
-def run_to_end(shape: Shape, query: Query) -> Frame:
+def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> Frame:
     """The finest, exact frame of a query, computed in this thread.
+
+    Args:
+        shape: a mesh or a polygon.
+        query: what to compute.
+        pipeline: one that may know something of the shape already; a new one by default.
 
     Raises:
         ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
         QueryError: the source lies outside the shape.
     """
     last: Frame | None = None
-    for result in Pipeline().results(FrameRequest(shape, query)):
+    for result in (pipeline or Pipeline()).results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if isinstance(result, Frame):
