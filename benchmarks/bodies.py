@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import InteriorDistance, Mesh, Plane, section
+from idviewer.core import InteriorDistance, Mesh, Plane, read_mesh, sample_path, section
 from idviewer.core.plane import AXES
+from idviewer.core.simplification import simplified
 from idviewer.core.slice_mesh import slice_mesh, spacing_for
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.session import default_plane
@@ -96,6 +97,18 @@ def finer(mesh: Mesh) -> Mesh:
     fans = [np.stack(face, axis=1) for face in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))]
     faces = np.stack(fans, axis=1).reshape(-1, 3)
     return Mesh(_smoothed(vertices, faces), faces, name=mesh.name)
+
+
+def octopus_of(vertices: int) -> Mesh:
+    """The bundled octopus with about so many vertices; its distances need a hundred modes."""
+    mesh, doublings = read_mesh(sample_path("octopus_27k")), 0
+    while vertices > 4 ** (doublings + 1) * len(mesh.vertices):
+        doublings += 1
+    wanted = vertices // 4**doublings
+    mesh = simplified(finer(mesh) if wanted > len(mesh.vertices) else mesh, wanted)
+    for _ in range(doublings):
+        mesh = finer(mesh)
+    return mesh
 
 
 def bumpy(mesh: Mesh) -> Mesh:

@@ -22,6 +22,7 @@ import growth
 import gui
 import machine
 import memory
+import opening
 import sliders
 import spectrum
 import tree
@@ -39,8 +40,10 @@ ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "latest.json"
 SHAPES = ("hand_2k", "hand", "hand_27k")
 ARMADILLO = ROOT.parent / "shared" / "meshes" / "armadillo.obj"
+SIZES = (2_500, 7_900, 27_000, 43_000, 134_000, 537_000)
 SUBJECTS: dict[str, ModuleType] = {
-    module.__name__: module for module in (weights, tree, drag, sliders, growth, gui, memory, spectrum)
+    module.__name__: module
+    for module in (weights, tree, drag, sliders, growth, gui, memory, spectrum, opening)
 }
 
 
@@ -79,6 +82,12 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--doublings", type=int, default=3, help="of the body of the growth: 14K faces, 56K, ..."
     )
+    made.add_argument(
+        "--sizes", type=int, nargs="*", default=SIZES, metavar="N", help="vertices of bodies to open"
+    )
+    made.add_argument(
+        "--patient", action="store_true", help="wait for peers that take a quarter of an hour too"
+    )
     made.add_argument("--out", type=Path, default=RESULTS, help="where the JSON goes")
     made.add_argument("--readme", action="store_true", help="write the README's table")
     return made
@@ -92,7 +101,14 @@ def settings_of(arguments: argparse.Namespace) -> Settings:
     bodies = sorted((Body(read_mesh(path), path) for path in paths), key=lambda body: len(body.mesh.faces))
     for body in bodies:
         body.readme = body.mesh.name == DEFAULT_SAMPLE or body is bodies[-1]
-    return Settings(tuple(bodies), arguments.turns, arguments.poses, arguments.doublings)
+    return Settings(
+        tuple(bodies),
+        arguments.turns,
+        arguments.poses,
+        arguments.doublings,
+        tuple(arguments.sizes),
+        arguments.patient,
+    )
 
 
 def readme_text(tables: dict[str, list[Row]]) -> str:

@@ -16,9 +16,13 @@ class Settings:
         turns: repetitions, of which the medians count.
         poses: of a drag, of each kind.
         doublings: how many times the body of the growth is made finer; each has four times the faces.
+        sizes: numbers of vertices at which a body is opened and its eigenpairs are computed.
+        patient: whether peers are waited for that take a quarter of an hour.
     """
 
     bodies: tuple[Body, ...]
     turns: int
     poses: int
     doublings: int
+    sizes: tuple[int, ...]
+    patient: bool
