@@ -64,7 +64,6 @@ def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float, None, Si
     limit = even * max(vertices, 4) / count
     left = count
     while left > vertices and limit < LONGEST**2 * even:
-        before = left
         for first in range(0, len(surface.tails), AT_A_TIME):
             last = min(first + AT_A_TIME, len(surface.tails))
             left -= collapse_some(surface, first, last, limit, left - vertices)
