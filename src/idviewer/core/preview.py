@@ -19,7 +19,7 @@ from idviewer.core.equations import extent
 from idviewer.core.interior import InteriorDistance
 from idviewer.core.laplacian import masses_of
 from idviewer.core.mesh import Mesh
-from idviewer.core.shape import as_points
+from idviewer.core.shape import Shape, as_points
 from idviewer.core.simplification import Simplified, simplification_steps
 from idviewer.core.spectrum import Spectrum, eigenpair_steps
 
@@ -125,6 +125,11 @@ class Preview:
         return replace(self.spectrum, vectors=vectors, masses=masses_of(self.full))
 
 
+def is_worth_previewing(shape: Shape) -> bool:
+    """Whether a shape's eigenpairs take so long that a picture without them is welcome."""
+    return isinstance(shape, Mesh) and len(shape.vertices) >= SMALLEST
+
+
 def preview_cutoff(distance: Distance) -> Callable[[float], float]:
     """From lambda_2 to where the modes end that count in a picture."""
 
@@ -148,7 +153,7 @@ def preview_steps(mesh: Mesh, cutoff: Callable[[float], float]) -> Steps:
         mesh: n vertices.
         cutoff: from lambda_2 to the bound of the eigenvalues kept.
     """
-    if len(mesh.vertices) < SMALLEST:
+    if not is_worth_previewing(mesh):
         return None
     small = yield from _telling(SIMPLIFYING, simplification_steps(mesh, VERTICES))
     if len(small.mesh.vertices) > 0.75 * len(mesh.vertices):

@@ -11,7 +11,7 @@ import numpy as np
 
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
 from idviewer.core.compilation import compile_steps
-from idviewer.core.preview import SMALLEST
+from idviewer.core.preview import is_worth_previewing
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.core.threads import few_threads, small_products
 from idviewer.session.framing import Framing
@@ -242,4 +242,4 @@ def _eigenpairs(shape: Shape, distance: Distance, stage: str) -> Generator[Progr
         except StopIteration as stop:
             return stop.value
         # The large factorisation comes first, and is a single step.
-        yield Progress(FACTORING if share == 0.0 and len(shape.vertices) >= SMALLEST else stage, share)
+        yield Progress(FACTORING if share == 0.0 and is_worth_previewing(shape) else stage, share)

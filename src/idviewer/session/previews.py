@@ -9,8 +9,17 @@ from typing import TypeVar
 import numpy as np
 
 from idviewer.core import Distance, Mesh, Shape, ShapeError
+from idviewer.core.distances.spectral import percentage
 from idviewer.core.equations import extent
-from idviewer.core.preview import SMALLEST, Preview, PreviewDistance, preview_cutoff, preview_steps
+from idviewer.core.preview import (
+    COARSE,
+    Preview,
+    PreviewDistance,
+    is_worth_previewing,
+    preview_cutoff,
+    preview_steps,
+)
+from idviewer.core.steps import beside
 from idviewer.core.threads import small_products
 from idviewer.session.framing import Framing
 from idviewer.session.prepared import Prepared
@@ -43,7 +52,7 @@ class Previews:
 
     def picture_steps(self, shape: Shape, query: Query) -> Pictures:
         """Progress, and as soon as the preview is there, where the barycentroid is and a frame."""
-        if not (isinstance(shape, Mesh) and query.distance.spectral and len(shape.vertices) >= SMALLEST):
+        if not (query.distance.spectral and isinstance(shape, Mesh) and is_worth_previewing(shape)):
             return
         if self._shape is not shape:
             self.forget()
@@ -101,6 +110,8 @@ class Previews:
                 break
         if preview is None:
             return
+        for _ in beside(lambda: shape.patches):  # which the first section needs
+            yield Progress(COARSE)
         solver = PreviewDistance(preview, query.distance, query.coordinates)
         prepared = Prepared(solver, finest=NODES)
         for _ in prepared.settle_steps(solver):
@@ -129,7 +140,8 @@ class Previews:
             slices.append((yield from one.level_steps(0)))
         frame = yield from framing.frame_steps(slices, 0)
         share, largest = self._error(query.distance, framing)
-        return replace(frame, exact=False, error=frame.error + share * largest, preview=share)
+        title = f"{in_words(share)}: {frame.title}"
+        return replace(frame, exact=False, error=frame.error + share * largest, preview=share, title=title)
 
     def _error(self, distance: Distance, framing: Framing) -> tuple[float, float]:
         """Of a distance: the share, and the largest distance on the boundary."""
@@ -138,6 +150,15 @@ class Previews:
             solver = framing.solver
             self._errors[distance] = self._preview.error(distance), extent(solver.basis * solver.scale)
         return self._errors[distance]
+
+
+def in_words(share: float) -> str:
+    """What a preview's title and the window say of its error.
+
+    >>> in_words(0.0163), in_words(0.38)
+    ('Preview, error about 1.6%', 'Preview, error about 38%')
+    """
+    return f"Preview, error about {percentage(share)}"
 
 
 def _silently(steps: Generator[float | None, None, Made]) -> Generator[None, None, Made]:

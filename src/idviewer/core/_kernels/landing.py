@@ -47,7 +47,7 @@ def _shares(vertices, corners, x, y, z, shares):  # type: ignore[no-untyped-def]
         s = 1.0 - t
     else:
         s, t = in_b / (in_a + in_b + in_c), in_c / (in_a + in_b + in_c)
-    shares[0], shares[1], shares[2] = 1.0 - s - t, s, t
+    shares[0], shares[1], shares[2] = max(0.0, 1.0 - s - t), s, t
     off_x, off_y, off_z = r_x - s * p_x - t * q_x, r_y - s * p_y - t * q_y, r_z - s * p_z - t * q_z
     return off_x * off_x + off_y * off_y + off_z * off_z
 
