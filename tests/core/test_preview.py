@@ -60,6 +60,7 @@ def test_only_modes_that_count_in_a_picture_are_computed():
     assert preview_cutoff(GPS())(1.0) == pytest.approx(GPS().cutoff(1.0))
 
 
+@pytest.mark.slow
 def test_a_preview_made_for_one_distance_serves_those_without_further_modes():
     made = finish(preview_steps(lump(1), preview_cutoff(Diffusion())))
     assert made.serves(Diffusion())
@@ -69,9 +70,10 @@ def test_a_preview_made_for_one_distance_serves_those_without_further_modes():
 def test_carried_eigenvectors_are_nearly_orthonormal_on_the_full_mesh():
     carried = finish(preview_steps(lump(1), preview_cutoff(Diffusion()))).carried()
     gram = carried.vectors.T @ (carried.masses[:, None] * carried.vectors)
-    np.testing.assert_allclose(gram, np.eye(len(carried.values)), atol=0.1)
+    np.testing.assert_allclose(gram, np.eye(len(carried.values)), atol=0.2)
 
 
+@pytest.mark.slow
 def test_points_between_the_two_surfaces_have_values_and_those_outside_have_none():
     mesh = lump(1)
     near = PreviewDistance(finish(preview_steps(mesh, preview_cutoff(Diffusion()))), Diffusion())

@@ -45,6 +45,9 @@ MARGIN = 0.02
 COARSER_VALUES = 1.1
 """Eigenvalues of the simpler mesh are larger by less than this."""
 
+OF_DIFFERENCE = 2.0 / 3.0
+"""Share of the difference between the two simplified meshes that stands for the error."""
+
 LAST_RADIUS = 1e-3
 """Share of the diagonal within which the barycentroid is looked for."""
 
@@ -98,8 +101,8 @@ class Preview:
         """Estimated largest error of a spectral distance, as a share of the largest distance on the boundary.
 
         Errors fall with the square of the edges' length, so those of four times fewer vertices are four
-        times as large, and the difference of the two three times the error: what is returned is safe. To it
-        comes what the modes count that may lie on either side of the bound.
+        times as large, and the difference of the two is three times the error; of which two are taken, to be
+        safe. To it comes what the modes count that may lie on either side of the bound.
         """
         first, second = np.random.default_rng(0).integers(0, len(self.small.mesh.vertices), (2, PAIRS))
 
@@ -108,7 +111,7 @@ class Preview:
             return np.linalg.norm(rows[first] - rows[second], axis=1)
 
         wide = apart(self.wide)
-        simplifying = np.abs(wide - apart(self.coarser)).max()
+        simplifying = OF_DIFFERENCE * np.abs(wide - apart(self.coarser)).max()
         cutting = np.abs(wide - apart(_below(self.wide, (1.0 - MARGIN) * self.bound))).max()
         largest = extent(self.wide.vectors * distance.scale(self.wide))
         return float((simplifying + cutting) / largest) + NEGLIGIBLE**2
@@ -218,7 +221,15 @@ class PreviewDistance(InteriorDistance):
         """The full mesh."""
         return self.preview.full
 
-    approximates = False
+    @property
+    def approximates(self) -> bool:
+        """It does not: sampling a mesh so small exactly takes less than preparing a tree."""
+        return False
+
+    @property
+    def description(self) -> str:
+        """As of `InteriorDistance`, but for the modes that are left out, which the error knows."""
+        return self.distance_kind.describe(replace(self.spectrum, bound=math.inf))
 
     def rows_between(self, ends: Ints, shares: Floats) -> Floats:
         """The basis at points of the full mesh's edges, (q, k); see `EmbeddedBoundary.rows_between`."""

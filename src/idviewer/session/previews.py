@@ -140,7 +140,7 @@ class Previews:
             slices.append((yield from one.level_steps(0)))
         frame = yield from framing.frame_steps(slices, 0)
         share, largest = self._error(query.distance, framing)
-        title = f"{in_words(share)}: {frame.title}"
+        title = f"{frame.title}; preview (error about {percentage(share)})"
         return replace(frame, exact=False, error=frame.error + share * largest, preview=share, title=title)
 
     def _error(self, distance: Distance, framing: Framing) -> tuple[float, float]:

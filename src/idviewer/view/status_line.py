@@ -95,8 +95,8 @@ class StatusLine(QStatusBar):
 
     def _tell_preview(self, refining: bool) -> None:
         self.preview.setVisible(self._preview is not None)
-        if self._preview is not None:
-            self.preview.setText(in_words_of_preview(self._preview) + ("; refining" if refining else ""))
+        words = "" if self._preview is None else in_words_of_preview(self._preview)
+        self.preview.setText(f"{words}; refining" if words and refining else words)
 
     def show_progress(self, progress: Progress | None) -> None:
         """Names the stage, and how far it is; None hides it."""
