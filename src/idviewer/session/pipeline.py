@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Hashable
 from contextlib import closing
+from inspect import GEN_CLOSED, getgeneratorstate
 from time import perf_counter
 from typing import TypeVar
 
@@ -60,7 +61,7 @@ class Pipeline:
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
-        self._compiled: set[int] = set()
+        self._compiling: dict[int, Generator[Progress, None, None]] = {}
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -74,6 +75,7 @@ class Pipeline:
                         yield from _patiently(request.shape, self._frames(request))
                 case DropRequest():
                     self._preparing = None
+                    self._compiling = {key: one for key, one in self._compiling.items() if _is_done(one)}
                     if self._previews is not None:
                         self._previews.drop()
                     if self._prepared is not None:
@@ -155,12 +157,21 @@ class Pipeline:
         return None if self._previews is None else self._previews.centre(request.shape)
 
     def _compile(self, dimension: int) -> Generator[Progress, None, None]:
-        if dimension in self._compiled:
-            return
-        yield Progress(COMPILING)
-        for share in compile_steps(dimension):
-            yield Progress(COMPILING, share)
-        self._compiled.add(dimension)
+        """What shapes of a dimension need; goes on where a closed attempt stopped."""
+        steps = self._compiling.setdefault(dimension, _compilation(dimension))
+        # Not `yield from`: that would close it together with this request.
+        while (progress := next(steps, None)) is not None:
+            yield progress
+
+
+def _is_done(steps: Generator[Progress, None, None]) -> bool:
+    return getgeneratorstate(steps) == GEN_CLOSED
+
+
+def _compilation(dimension: int) -> Generator[Progress, None, None]:
+    yield Progress(COMPILING)
+    for share in compile_steps(dimension):
+        yield Progress(COMPILING, share)
 
 
 def _holds(shape: Shape, point: Point | None) -> bool:
