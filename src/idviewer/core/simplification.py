@@ -74,6 +74,8 @@ def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float | None, N
 
 
 def _joined(mesh: Mesh) -> HalfEdges:
+    """The surface in units of the diagonal; the mesh's area, which takes as long, is known afterwards."""
+    _ = mesh.area
     return half_edges_of((mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal, mesh.faces)
 
 
