@@ -49,7 +49,9 @@ class Barycentroid:
     path: Floats
 
 
-def barycentroid_steps(shape: Shape, potential: Evaluate) -> Generator[float | None, None, Barycentroid]:
+def barycentroid_steps(
+    shape: Shape, potential: Evaluate, last_radius: float = LAST_RADIUS
+) -> Generator[float | None, None, Barycentroid]:
     """Find the barycentroid; yields the share done, or None, every few milliseconds.
 
     U may have several local minima. The interior is sampled coarsely, descents start from the lowest
@@ -59,6 +61,7 @@ def barycentroid_steps(shape: Shape, potential: Evaluate) -> Generator[float | N
     Args:
         shape: where to look.
         potential: U at (p, dimension) points, (p,), NaN outside, as a generator.
+        last_radius: where a descent ends, in diagonals of the shape.
 
     Raises:
         ShapeError: no point inside could be found (a MeshError or a PolygonError).
@@ -71,7 +74,7 @@ def barycentroid_steps(shape: Shape, potential: Evaluate) -> Generator[float | N
         raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
     best: Barycentroid | None = None
     for start in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal):
-        candidate = yield from _descend(potential, start, shape.diagonal)
+        candidate = yield from _descend(potential, start, shape.diagonal, last_radius)
         if best is None or candidate.potential < best.potential:
             best = candidate
     assert best is not None
@@ -131,7 +134,7 @@ def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:
 
 
 def _descend(
-    potential: Evaluate, start: Floats, diagonal: float
+    potential: Evaluate, start: Floats, diagonal: float, last_radius: float
 ) -> Generator[float | None, None, Barycentroid]:
     """Follow U^2 downhill by quadratic models fitted within a trust radius.
 
@@ -142,7 +145,7 @@ def _descend(
     path = [point]
     model = _Model.of(len(start))
     for _ in range(MOST_ROUNDS):
-        if radius < LAST_RADIUS * diagonal:
+        if radius < last_radius * diagonal:
             break
         values = yield from potential(point + radius * model.stencil)
         squares = values**2

@@ -11,6 +11,7 @@ from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
 from idviewer.core._kernels.ears import cut_ears
 from idviewer.core._kernels.surface import patched
+from idviewer.core.carrying import Ground
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.mean_value import mean_value_on
@@ -74,6 +75,7 @@ def _spatial_calls() -> list[Callable[[], object]]:
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
         lambda: simplified(spindle, len(corners) - 1),
+        lambda: Ground(spindle).land(corners),
         lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),

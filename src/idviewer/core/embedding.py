@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from idviewer.core.distances import Basis, Distance, QuadraticForm, check_dimension
 from idviewer.core.equations import squares_of
@@ -65,6 +66,22 @@ class EmbeddedBoundary:
         finish(self.prepare_steps())
         assert self._basis is not None
         return self._basis.columns
+
+    @property
+    def full_shape(self) -> Shape:
+        """The shape that is shown; a preview computes on a simpler one."""
+        return self.shape
+
+    def rows_between(self, ends: NDArray[np.int64], shares: Floats) -> Floats:
+        """The basis at points of the boundary's edges, (q, k).
+
+        Args:
+            ends: (q, 2) vertices of the full shape.
+            shares: (q, 2) of each end.
+        """
+        starts = np.arange(0, ends.size + 1, ends.shape[1])
+        matrix = csr_array((shares.ravel(), ends.ravel(), starts), shape=(len(ends), len(self.basis)))
+        return matrix @ self.basis
 
     @cached_property
     def scale(self) -> Floats:

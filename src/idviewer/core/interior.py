@@ -166,6 +166,11 @@ class InteriorDistance(EmbeddedBoundary):
         scales = [self.scale, *(distance.scale(self._spectrum) for distance in distances)]
         return np.max([np.abs(scale) / extent(self.basis * scale) for scale in scales], axis=0)
 
+    @property
+    def approximates(self) -> bool:
+        """Whether the coordinates can be evaluated within a tolerance."""
+        return self.coordinates.approximation(self.basis, np.ones(self.basis.shape[1])) is not None
+
     def _approximation(self, weights: Floats | None) -> Approximation | None:
         weights = self._own_weights if weights is None else weights
         key = weights.tobytes()

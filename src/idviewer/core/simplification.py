@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from idviewer.core._kernels.collapses import HalfEdges, collapse_some, half_edges_of
 from idviewer.core.mesh import Mesh, MeshError
-from idviewer.core.steps import finish
+from idviewer.core.steps import beside, finish
 
 Ints = NDArray[np.int64]
 
@@ -55,11 +55,12 @@ def simplified(mesh: Mesh, vertices: int) -> Mesh:
     return finish(simplification_steps(mesh, vertices)).mesh
 
 
-def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float, None, Simplified]:
-    """`simplified` as a generator that yields the share done every few milliseconds."""
+def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float | None, None, Simplified]:
+    """`simplified` as a generator that yields the share done, or None, every few milliseconds."""
     count = len(mesh.vertices)
-    surface = half_edges_of((mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal, mesh.faces)
+    surface = yield from beside(lambda: _joined(mesh))
     yield 0.1
+    # The square of an even mesh's edges.
     even = 2.0 * mesh.area / (math.sqrt(3.0) * mesh.diagonal**2 * max(vertices, 4))
     limit = even * max(vertices, 4) / count
     left = count
@@ -70,6 +71,12 @@ def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float, None, Si
             yield 0.1 + 0.8 * (count - left) / max(count - vertices, 1)
         limit *= GROWTH
     return _without_gaps(mesh, surface)
+
+
+def _joined(mesh: Mesh) -> HalfEdges:
+    """The surface in units of the diagonal; the mesh's area, which takes as long, is known afterwards."""
+    _ = mesh.area
+    return half_edges_of((mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal, mesh.faces)
 
 
 def _without_gaps(mesh: Mesh, surface: HalfEdges) -> Simplified:

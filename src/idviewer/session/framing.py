@@ -82,7 +82,7 @@ class Framing:
         of_source = 0.0 if exact_points or potential else rtol
         sampled_within = OF_A_POINT * (of_source + max(one.rtol for one in slices)) if slices else 0.0
         frame = Frame(
-            shape=solver.shape,
+            shape=self._prepared.shape,
             query=query,
             slices=drawn,
             level=level,

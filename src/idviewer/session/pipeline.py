@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Hashable
 from contextlib import closing
+from inspect import GEN_CLOSED, getgeneratorstate
 from time import perf_counter
 from typing import TypeVar
 
@@ -11,12 +12,14 @@ import numpy as np
 
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
 from idviewer.core.compilation import compile_steps
+from idviewer.core.preview import is_worth_previewing
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.core.threads import few_threads, small_products
 from idviewer.session.framing import Framing
 from idviewer.session.memory import give_back
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
+from idviewer.session.previews import Previews
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -36,6 +39,8 @@ Results = Generator[Result | None, None, None]
 Made = TypeVar("Made")
 
 COMPILING = "Preparing kernels (compiled once, at the first run)"
+COMPUTING, REFINING = "Computing eigenpairs", "Refining eigenpairs"
+FACTORING = "Factoring (cannot be interrupted)"
 SEARCHING = "Finding the barycentroid"
 PATIENCE = 0.3
 """Seconds for which a polygon's progress is not told."""
@@ -46,13 +51,17 @@ class Pipeline:
 
     Half-done preparation of a shape is kept when a newer query arrives, so moving a plane meanwhile does
     not start it anew. One thread at a time may use a pipeline.
+
+    Args:
+        previews: whether frames of a large mesh begin with previews, for somebody who looks on.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, previews: bool = False) -> None:
+        self._previews = Previews() if previews else None
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
-        self._compiled: set[tuple[int, str]] = set()
+        self._compiling: dict[tuple[int, str], Generator[Progress, None, None]] = {}
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -66,6 +75,9 @@ class Pipeline:
                         yield from _patiently(request.shape, self._frames(request))
                 case DropRequest():
                     self._preparing = None
+                    self._compiling = {key: one for key, one in self._compiling.items() if _is_done(one)}
+                    if self._previews is not None:
+                        self._previews.drop()
                     if self._prepared is not None:
                         self._prepared.forget_search()
         except (
@@ -85,7 +97,12 @@ class Pipeline:
             or prepared.shape is not request.shape
             or prepared.lacks_eigenpairs(query.distance)
         ):
+            yield from self._compile(query.coordinates, request.shape)
+            if self._previews is not None:
+                yield from self._previews.picture_steps(request.shape, query)
             prepared = yield from self._prepare(request)
+            if self._previews is not None:
+                self._previews.forget()
         yield from self._compile(query.coordinates, prepared.shape)  # others than those it was prepared with
         yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
         framing = Framing(prepared, query)
@@ -96,15 +113,6 @@ class Pipeline:
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from _coarse_to_fine(prepared, framing, samples)
-
-    def _compile(self, coordinates: str, shape: Shape) -> Generator[Progress, None, None]:
-        """The kernels that these coordinates need on such shapes, if that was not done yet."""
-        key = shape.dimension, coordinates
-        if key not in self._compiled:
-            yield Progress(COMPILING)
-            for share in compile_steps(*key):
-                yield Progress(COMPILING, share)
-            self._compiled.add(key)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
@@ -126,8 +134,8 @@ class Pipeline:
     ) -> Generator[Progress, None, Prepared]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
-        yield from self._compile(query.coordinates, shape)
-        spectrum = (yield from _eigenpairs(shape, query.distance)) if query.distance.spectral else None
+        stage = REFINING if self._previews is not None and self._previews.shown else COMPUTING
+        spectrum = (yield from _eigenpairs(shape, query.distance, stage)) if query.distance.spectral else None
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
         if known is not None:
@@ -135,13 +143,37 @@ class Pipeline:
             return known
         steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from _with_progress(_stage(query.distance), steps)
-        prepared = Prepared(solver, request.centre if _holds(shape, request.centre) else None)
+        prepared = Prepared(solver, self._centre(request))
         if not prepared.has_centre:
             yield Progress(SEARCHING)
             with small_products():
                 for _ in prepared.settle_steps(solver):
                     yield Progress(SEARCHING)
         return prepared
+
+    def _centre(self, request: FrameRequest) -> Point | None:
+        """What stands for the barycentroid until it is found."""
+        if _holds(request.shape, request.centre):
+            return request.centre
+        return None if self._previews is None else self._previews.centre(request.shape)
+
+    def _compile(self, coordinates: str, shape: Shape) -> Generator[Progress, None, None]:
+        """The kernels that these coordinates need on such shapes; goes on where a closed attempt stopped."""
+        key = shape.dimension, coordinates
+        steps = self._compiling.setdefault(key, _compilation(*key))
+        # Not `yield from`: that would close it together with this request.
+        while (progress := next(steps, None)) is not None:
+            yield progress
+
+
+def _is_done(steps: Generator[Progress, None, None]) -> bool:
+    return getgeneratorstate(steps) == GEN_CLOSED
+
+
+def _compilation(dimension: int, coordinates: str) -> Generator[Progress, None, None]:
+    yield Progress(COMPILING)
+    for share in compile_steps(dimension, coordinates):
+        yield Progress(COMPILING, share)
 
 
 def _holds(shape: Shape, point: Point | None) -> bool:
@@ -218,8 +250,8 @@ def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> 
     return last
 
 
-def _eigenpairs(shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
-    yield Progress("Computing eigenpairs", 0.0)
+def _eigenpairs(shape: Shape, distance: Distance, stage: str) -> Generator[Progress, None, Spectrum]:
+    yield Progress(stage, 0.0)
     share = 0.0
     steps = eigenpair_steps(shape, distance.cutoff)
     while True:
@@ -227,4 +259,5 @@ def _eigenpairs(shape: Shape, distance: Distance) -> Generator[Progress, None, S
             share = max(share, next(steps) or 0.0)
         except StopIteration as stop:
             return stop.value
-        yield Progress("Computing eigenpairs", share)
+        # The large factorisation comes first, and is a single step.
+        yield Progress(FACTORING if share == 0.0 and is_worth_previewing(shape) else stage, share)

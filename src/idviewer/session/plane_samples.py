@@ -13,7 +13,7 @@ from idviewer.core import Mesh, Plane, Polygon, Section, Shape, polygon_section,
 from idviewer.core.slice_mesh import STEPS, SliceMesh, edges_of, slice_mesh, spacing_for, split
 from idviewer.session.cloud import Cloud
 from idviewer.session.kept_rows import KeptRows
-from idviewer.session.middles import Middles, combined, interpolated
+from idviewer.session.middles import Middles, interpolated
 from idviewer.session.sampler import COARSE, FINE, Sampler
 
 Floats = NDArray[np.float64]
@@ -84,9 +84,9 @@ class PlaneSamples:
 
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
-        self.section, self._spacing = _section(sampler.solver.shape, plane)
+        self.section, self._spacing = _section(sampler.solver.full_shape, plane)
         shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
-        self._outline_rows = combined(self.section.edges, shares, sampler.solver.basis)
+        self._outline_rows = sampler.solver.rows_between(self.section.edges, shares)
         self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
         self.levels = self._lattices if sampler.exact_always else self._lattices + 1
         self._linear = sampler.solver.coordinates.linear_on_boundary

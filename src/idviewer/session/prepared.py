@@ -38,10 +38,11 @@ class Sampled:
 
     Args:
         solver: whose basis is sampled.
+        finest: about how many nodes the last level of a plane may have; by default what takes seconds.
     """
 
-    def __init__(self, solver: InteriorDistance) -> None:
-        self.solver = solver
+    def __init__(self, solver: InteriorDistance, finest: int | None = None) -> None:
+        self.solver, self._finest = solver, finest
         # A warning would be lost in the compute thread; `remarks` tells instead.
         solver.coordinates.warns = False
         self.sampler = Sampler(solver)
@@ -52,14 +53,17 @@ class Sampled:
     def on(self, plane: Plane) -> PlaneSamples:
         """The samples on a plane, those of the planes used last kept."""
         if plane not in self._planes:
-            effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
-            visits = FACE_VISITS / (effort * len(self.solver.shape.facets))
-            finest = int(min(visits, NUMBERS / self.solver.basis.shape[1]))
+            finest = self._affordable() if self._finest is None else self._finest
             self._planes[plane] = PlaneSamples(self.sampler, plane, finest)
         self._planes.move_to_end(plane)
         while len(self._planes) > KEPT_PLANES:
             self._planes.popitem(last=False)
         return self._planes[plane]
+
+    def _affordable(self) -> int:
+        effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
+        visits = FACE_VISITS / (effort * len(self.solver.shape.facets))
+        return int(min(visits, NUMBERS / self.solver.basis.shape[1]))
 
     def is_exact(self, point: Point) -> bool:
         """Whether the exact row of a point is there, or takes no time."""
@@ -119,12 +123,15 @@ class Prepared:
     Args:
         solver: of the first distance and coordinates asked for.
         centre: what stands for the barycentroid until one is found; None if nothing does.
+        finest: about how many nodes a slice may have; by default as many as samples are affordable.
     """
 
-    def __init__(self, solver: InteriorDistance, centre: Point | None = None) -> None:
-        self.shape = solver.shape
+    def __init__(
+        self, solver: InteriorDistance, centre: Point | None = None, finest: int | None = None
+    ) -> None:
+        self.shape, self._finest = solver.full_shape, finest
         self.spectrum: Spectrum | None = solver.spectrum if solver.distance_kind.spectral else None
-        self._sampled = [Sampled(solver)]
+        self._sampled = [Sampled(solver, finest)]
         self._found: dict[Kind, Point] = {}
         self._latest = centre
         self._building: tuple[Hashable, Generator[float | None, None, InteriorDistance]] | None = None
@@ -173,13 +180,18 @@ class Prepared:
 
     def _keep(self, solver: InteriorDistance) -> None:
         """Samples of a solver beside those that are there; those used longest ago make room."""
-        self._sampled.append(Sampled(solver))
+        self._sampled.append(Sampled(solver, self._finest))
         while len(self._sampled) > KEPT_SAMPLED:
             self._sampled.pop(0)
 
     def is_settled(self, query: Query) -> bool:
         """Whether the barycentroid of the query's distance and coordinates is known."""
         return _kind(query) in self._found
+
+    @property
+    def latest(self) -> Point | None:
+        """The barycentroid found last, or what stands for one."""
+        return self._latest
 
     @property
     def has_centre(self) -> bool:

@@ -46,7 +46,7 @@ class Sampler:
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
         wide, small = solver.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
-        self.exact_always = wide or small or not _can_approximate(solver)
+        self.exact_always = wide or small or not solver.approximates
         self.ready = self.exact_always
         self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
@@ -104,12 +104,6 @@ class Sampler:
         """How far the images of rows lie from their mean, for each of the common distances."""
         off = rows - rows.mean(axis=0)
         return np.sqrt(np.max(off**2 @ self._scales**2, axis=0))
-
-
-def _can_approximate(solver: InteriorDistance) -> bool:
-    """Whether the solver's coordinates can be evaluated within a tolerance."""
-    basis = solver.basis
-    return solver.coordinates.approximation(basis, np.ones(basis.shape[1])) is not None
 
 
 def _common(solver: InteriorDistance) -> list[Distance]:

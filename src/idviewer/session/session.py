@@ -73,7 +73,7 @@ class Session:
         """The shape that was opened, and what became of it by moving its vertices."""
         self._cancelled = False
         self._closed = False
-        self._runner = Runner(work or Pipeline().results, self._receive, post)
+        self._runner = Runner(work or Pipeline(previews=True).results, self._receive, post)
 
     def open(self, path: str | Path, component: int | None = None) -> None:
         """Read a shape in the compute thread and show it; on failure everything stays as it was."""
@@ -223,8 +223,9 @@ class Session:
         return isinstance(request, FrameRequest) and request.shape in self._forms and self._asked is not None
 
     def _accept_ready(self, ready: Ready) -> None:
-        self.ready = ready
-        self.readied.emit(ready)
+        if not ready.preview:
+            self.ready = ready
+            self.readied.emit(ready)
         if ready.shape.dimension == 3 and self.state.query.planes == (default_plane(ready.shape),):
             # Where the user has not chosen a plane, show the one through the shape's centre.
             x, y, z = ready.barycentroid.tolist()

@@ -130,6 +130,8 @@ class Frame:
         lambda_2: the shape's first non-zero eigenvalue, which a distance's parameters are measured by; None
             while no eigenpairs are there.
         remarks: what the user has to know of the values, one sentence each.
+        preview: None, or of a picture made from a simplified mesh while the mesh's own eigenpairs are being
+            computed, the estimated largest error of a distance as a share of the largest on the boundary.
     """
 
     shape: Shape
@@ -144,6 +146,7 @@ class Frame:
     title: str
     lambda_2: float | None = None
     remarks: tuple[str, ...] = ()
+    preview: float | None = None
 
 
 @dataclass(frozen=True)
@@ -164,11 +167,15 @@ class Opened:
 
 @dataclass(frozen=True)
 class Ready:
-    """A shape's embedding is there: its number of modes (0 without eigenpairs) and (3,) a barycentroid."""
+    """A shape's embedding is there: its number of modes (0 without eigenpairs) and (3,) a barycentroid.
+
+    In a preview they are those of a simplified mesh.
+    """
 
     shape: Shape
     modes: int
     barycentroid: NDArray[np.float64]
+    preview: bool = False
 
 
 @dataclass(frozen=True)

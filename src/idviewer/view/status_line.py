@@ -10,11 +10,14 @@ from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QS
 
 from idviewer.core import Shape
 from idviewer.session.picking import Probe
+from idviewer.session.previews import in_words as in_words_of_preview
 from idviewer.session.state import Frame, Progress, Ready
 from idviewer.view.flat import is_flat
 
 PATIENCE = 150
 """Milliseconds that work may take before the line speaks of it; what is done by then only flickers."""
+
+PREVIEW_STYLE = "QLabel { background: #fdf0c8; color: #20242a; padding: 1px 6px; border-radius: 3px; }"
 
 HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
 FLAT_HINT = "Click to put the source there; drag a vertex to reshape the polygon; F1 for more"
@@ -47,6 +50,8 @@ class StatusLine(QStatusBar):
         super().__init__(parent)
         self._cancel, self._resume = cancel, resume
         self.probe, self.stage, self.sizes, self.modes = QLabel(), QLabel(), QLabel(), QLabel()
+        self.preview = QLabel()
+        self.preview.setStyleSheet(PREVIEW_STYLE)
         self.probe.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.bar = QProgressBar()
         self.bar.setFixedWidth(160)
@@ -54,13 +59,15 @@ class StatusLine(QStatusBar):
         self.button = QPushButton("Cancel")
         self.button.clicked.connect(self._press)
         self._stopped = False
+        self._preview: float | None = None
         self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
         self._patience.timeout.connect(lambda: self._show_work(True))
         self.setContentsMargins(6, 0, 0, 0)
         self.addWidget(self.probe, 1)
-        for widget in (self.stage, self.bar, self.button, self.sizes, self.modes):
+        for widget in (self.preview, self.stage, self.bar, self.button, self.sizes, self.modes):
             self.addPermanentWidget(widget)
         self._show_work(False)
+        self._tell_preview(False)
 
     def show_shape(self, shape: Shape | None) -> None:
         """Numbers of vertices and of faces or edges; the modes are not known yet."""
@@ -69,10 +76,27 @@ class StatusLine(QStatusBar):
         )
         self.sizes.setText("" if shape is None else f"{len(shape.vertices):,} vertices, {facets}")
         self.modes.clear()
+        self._preview = None
+        self._tell_preview(False)
 
     def show_ready(self, ready: Ready) -> None:
         """Number of modes."""
         self.modes.setText(f"{ready.modes:,} modes" if ready.modes else "")
+
+    def show_frame(self, frame: Frame, refining: bool) -> None:
+        """Says so while the picture is a preview.
+
+        Args:
+            frame: that is shown.
+            refining: whether a better one is being computed.
+        """
+        self._preview = frame.preview
+        self._tell_preview(refining)
+
+    def _tell_preview(self, refining: bool) -> None:
+        self.preview.setVisible(self._preview is not None)
+        words = "" if self._preview is None else in_words_of_preview(self._preview)
+        self.preview.setText(f"{words}; refining" if words and refining else words)
 
     def show_progress(self, progress: Progress | None) -> None:
         """Names the stage, and how far it is; None hides it."""
@@ -80,7 +104,9 @@ class StatusLine(QStatusBar):
             self._patience.stop()
             self._show_work(False)
             return
-        self._stopped = False
+        if self._stopped:
+            self._stopped = False
+            self._tell_preview(True)
         self.button.setText("Cancel")
         self.stage.setText(progress.stage)
         self.bar.setRange(0, 0 if progress.share is None else 1000)
@@ -93,6 +119,7 @@ class StatusLine(QStatusBar):
         self._patience.stop()
         self._show_work(False)
         self._stopped = True
+        self._tell_preview(False)
         self.stage.setText("Cancelled")
         self.button.setText("Compute again")
         self.stage.show()

@@ -140,6 +140,7 @@ class MainWindow(QMainWindow):
 
     def _on_framed(self, frame: Frame) -> None:
         self.viewport.show_frame(frame)
+        self.status.show_frame(frame, self.session.busy)
         self.messages.remark(" ".join(frame.remarks))
         self.panel.show_state(self.session.state, frame)
         if self.session.busy and not frame.exact:

@@ -65,7 +65,7 @@ def _last(h):  # type: ignore[no-untyped-def]
     return h + 2 if h % 3 == 0 else h - 1
 
 
-@numba.njit(error_model="numpy", cache=True)
+@numba.njit(error_model="numpy", cache=True, nogil=True)
 def _joined(tails, count):  # type: ignore[no-untyped-def]
     """Twins, an outgoing half-edge of each vertex, and degrees."""
     first = np.full(count, -1, np.int32)

@@ -1,0 +1,89 @@
+"""Distances from a simplified mesh: near the final ones, and as near as they say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.core import shapes
+
+from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Mesh, preview, read_mesh, sample_path
+from idviewer.core.barycentroid import interior_samples
+from idviewer.core.equations import extent
+from idviewer.core.preview import PreviewDistance, preview_cutoff, preview_steps
+from idviewer.core.spectrum import eigenpairs
+from idviewer.core.steps import finish
+
+PAIRS = 5000
+
+
+@pytest.fixture(autouse=True)
+def _small(monkeypatch):
+    monkeypatch.setattr(preview, "SMALLEST", 1000)
+    monkeypatch.setattr(preview, "VERTICES", 1200)
+    monkeypatch.setattr(preview, "FEWER", 300)
+
+
+def lump(seed: int) -> Mesh:
+    """A smooth body with bumps at random."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = shapes.icosphere(4)
+    waves, phases = rng.normal(0.0, 2.0, (5, 3)), rng.uniform(0.0, 6.0, 5)
+    bumps = 1.0 + 0.08 * np.sin(vertices @ waves.T + phases).sum(axis=1)
+    return Mesh(vertices * bumps[:, None] * rng.uniform(0.5, 2.0, 3), faces)
+
+
+def apart(rows: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(rows[pairs[0]] - rows[pairs[1]], axis=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["hand_2k", "octopus_2k", 1, 2])
+def test_the_true_error_is_within_the_estimate_and_not_far_below(shape, rng):
+    mesh = read_mesh(sample_path(shape)) if isinstance(shape, str) else lump(shape)
+    spectrum, inner = eigenpairs(mesh), interior_samples(mesh)
+    for distance in (Diffusion(), GPS(), Biharmonic()):
+        made = finish(preview_steps(mesh, preview_cutoff(distance)))
+        exact, near = InteriorDistance(mesh, distance, spectrum=spectrum), PreviewDistance(made, distance)
+        rows = exact.vertex_embedding
+        carried = made.carrier() @ (near.basis * near.scale)
+        pairs, inner_pairs = (rng.integers(0, len(some), (2, PAIRS)) for some in (rows, inner))
+        errors = np.abs(apart(rows, pairs) - apart(carried, pairs)).max()
+        inside = np.abs(apart(exact.embed(inner), inner_pairs) - apart(near.embed(inner), inner_pairs)).max()
+        estimate = made.error(distance) * extent(rows)
+        assert max(errors, inside) <= estimate <= 10.0 * errors
+
+
+def test_only_modes_that_count_in_a_picture_are_computed():
+    diffusion, time = preview_cutoff(Diffusion()), 1.0 / 8.0
+    weight = np.exp(-diffusion(1.0) * time) / np.exp(-time)
+    assert 0.5 * preview.NEGLIGIBLE < weight <= preview.NEGLIGIBLE
+    assert preview_cutoff(GPS())(1.0) == pytest.approx(GPS().cutoff(1.0))
+
+
+@pytest.mark.slow
+def test_a_preview_made_for_one_distance_serves_those_without_further_modes():
+    made = finish(preview_steps(lump(1), preview_cutoff(Diffusion())))
+    assert made.serves(Diffusion())
+    assert not made.serves(GPS())
+
+
+def test_carried_eigenvectors_are_nearly_orthonormal_on_the_full_mesh():
+    carried = finish(preview_steps(lump(1), preview_cutoff(Diffusion()))).carried()
+    gram = carried.vectors.T @ (carried.masses[:, None] * carried.vectors)
+    np.testing.assert_allclose(gram, np.eye(len(carried.values)), atol=0.2)
+
+
+@pytest.mark.slow
+def test_points_between_the_two_surfaces_have_values_and_those_outside_have_none():
+    mesh = lump(1)
+    near = PreviewDistance(finish(preview_steps(mesh, preview_cutoff(Diffusion()))), Diffusion())
+    assert np.isfinite(near.embed(mesh.vertices[::7])).all()
+    assert np.isnan(near.embed(1.5 * mesh.vertices[:3])).all()
+    assert near.keeps_inside(near.barycentroid().point)
+    assert not near.keeps_inside(near.shape.vertices[0])
+
+
+def test_small_meshes_have_no_preview():
+    assert finish(preview_steps(read_mesh(sample_path("hand_2k")), preview_cutoff(Diffusion()))) is not None
+    preview.SMALLEST = 10_000
+    assert finish(preview_steps(read_mesh(sample_path("hand_2k")), preview_cutoff(Diffusion()))) is None
