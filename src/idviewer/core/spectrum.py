@@ -16,6 +16,7 @@ from idviewer.core.block_lanczos import BLOCK, BlockLanczos
 from idviewer.core.laplacian import laplacian_of, masses_of
 from idviewer.core.mesh import MeshError
 from idviewer.core.polygon import Polygon, PolygonError
+from idviewer.core.room import check_room
 from idviewer.core.shape import Shape, ShapeError
 from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
@@ -86,7 +87,8 @@ def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) ->
         The spectrum; eigenvalues have relative errors below 1e-10.
 
     Raises:
-        ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError).
+        ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError),
+            or a mesh does not fit into memory (see `idviewer.core.room`).
 
     >>> import numpy as np
     >>> from idviewer.core import read_mesh, sample_path
@@ -100,6 +102,7 @@ def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) ->
 
 def eigenpair_steps(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) -> Steps:
     """`eigenpairs` as a generator that yields the share done, or None, every few milliseconds."""
+    check_room(shape)
     masses = masses_of(shape)
     yield 0.0
     if isinstance(shape, Polygon):
