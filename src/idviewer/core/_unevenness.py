@@ -14,9 +14,8 @@ BEARABLE_STIFFNESS = 2e-3
 triangulation; beyond, its relative excess is some 25 times the stiffness."""
 
 BEARABLE_ROUNDING = 1e-3
-"""Of a bound on relative errors by cancellation in the lowest eigenvalue. The errors themselves are some
-fifty times smaller, and then as large as those that an intrinsic triangulation makes by lengthening
-needles."""
+"""Of a bound on relative errors by cancellation in the lowest eigenvalue. The errors themselves are ten to
+two hundred times smaller, about as large as those of an intrinsic triangulation, which lengthens needles."""
 
 COARSE = 100
 """Surfaces of fewer vertices have no fortieth eigenvalue to speak of, by whatever Laplacian."""
