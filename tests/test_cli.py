@@ -505,7 +505,7 @@ class TestInfo:
     def test_a_good_mesh(self, run: Run, body: str) -> None:
         answer = run("info", body)
         assert (answer.status, answer.err) == (0, "")
-        assert "642" in answer.out
+        assert "662" in answer.out
         assert "usable          yes" in answer.out
 
     def test_a_good_mesh_as_json(self, run: Run, body: str) -> None:
