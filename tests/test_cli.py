@@ -64,8 +64,10 @@ def run(capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.M
 @pytest.fixture(scope="session")
 def body(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A spindle, long enough to need few modes."""
-    shape = trimesh.creation.icosphere(subdivisions=3)
-    shape.apply_scale([1, 1, 6])
+    angles = np.linspace(np.pi, 0.0, 35)
+    outline = np.column_stack([np.sin(angles).clip(0.0), 6.0 * np.cos(angles)])
+    outline[[0, -1], 0] = 0.0
+    shape = trimesh.creation.revolve(outline, sections=20)
     path = tmp_path_factory.mktemp("bodies") / "spindle.off"
     shape.export(path)
     return str(path)
@@ -503,12 +505,22 @@ class TestInfo:
     def test_a_good_mesh(self, run: Run, body: str) -> None:
         answer = run("info", body)
         assert (answer.status, answer.err) == (0, "")
-        assert "642" in answer.out
+        assert "662" in answer.out
         assert "usable          yes" in answer.out
 
     def test_a_good_mesh_as_json(self, run: Run, body: str) -> None:
         told = json.loads(run("info", body, "--json").out)
-        assert (told["usable"], told["vertices"], told["genus"], told["findings"]) == (True, 642, 0, [])
+        assert (told["usable"], told["vertices"], told["genus"], told["findings"]) == (True, 662, 0, [])
+
+    def test_wide_angles_and_what_is_done_about_them_are_told(self, run: Run, tmp_path: Path) -> None:
+        shape = trimesh.creation.icosphere(subdivisions=3)
+        shape.apply_scale([1, 1, 6])
+        shape.export(tmp_path / "stretched.off")
+        (finding,) = json.loads(run("info", "stretched.off", "--json").out)["findings"]
+        assert (finding["kind"], finding["severity"]) == ("uneven_triangles", "kept")
+        answer = run("barycentroid", "stretched.off")
+        assert answer.status == 0
+        assert "were bridged by an intrinsic Delaunay triangulation" in answer.err
 
     @pytest.fixture
     def open_box(self, tmp_path: Path) -> str:

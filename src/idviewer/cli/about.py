@@ -96,6 +96,8 @@ def _report(name: str, diagnosis: Diagnosis) -> str:
 
 
 def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
+    from idviewer.core.room import needed_bytes, size
+
     yield "vertices", f"{diagnosis.vertices:,}"
     yield "faces", f"{diagnosis.faces:,}"
     yield "edges", f"{diagnosis.edges:,}"
@@ -109,3 +111,13 @@ def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
     yield "area", f"{diagnosis.area:.6g}"
     if diagnosis.volume is not None:
         yield "volume", f"{diagnosis.volume:.6g}"
+    if diagnosis.usable:
+        yield "memory", f"about {size(needed_bytes(diagnosis.vertices))} to open it{_too_much(diagnosis)}"
+
+
+def _too_much(diagnosis: Diagnosis) -> str:
+    from idviewer.core.room import needed_bytes, room_bytes, size, vertices_for
+
+    if needed_bytes(diagnosis.vertices) <= (room := room_bytes()):
+        return ""
+    return f"; this machine has {size(room)}: simplify it to about {vertices_for(room):,} vertices"

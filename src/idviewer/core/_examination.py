@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from idviewer.core import _mending as mending
-from idviewer.core._findings import KEPT, Finding, counted, stated
+from idviewer.core._findings import KEPT, Finding, counted, several, stated
 from idviewer.core._polygons import Polygons, triangulated
 from idviewer.core._topology import Bools, Floats, Ints, Topology
+from idviewer.core._unevenness import Unevenness, unevenness_of
 
 NO_VOLUME = 1e-9
 """A body whose volume is below this share of (its area) ** 1.5 encloses nothing (a ball has 0.09)."""
@@ -25,6 +26,7 @@ class Examination:
         self.findings: list[Finding] = []
         self.component_sizes: tuple[int, ...] = ()
         self.hopeless = False  # nothing further can be looked at
+        self.unevenness: Unevenness | None = None
         self.vertices = polygons.vertices
         self._faces = np.empty((0, 3), np.int64)
         self._topology: Topology | None = None
@@ -261,6 +263,13 @@ class Examination:
             pinched = np.flatnonzero(visits > 1)
             self.findings.append(counted("pinched_vertices", len(pinched), place=self.near(pinched[0])))
 
+    def look_at_thin_faces(self) -> None:
+        """Triangles on which the cotangent Laplacian is wrong: another one is used."""
+        if self.fatal or (found := unevenness_of(self.vertices, self.faces)).bearable:
+            return
+        place = self.near(found.worst)
+        self.findings.append(stated("uneven_triangles", found.words, count=max(found.thin, 1), place=place))
+
 
 def examine(polygons: Polygons, component: int | None = None) -> Examination:
     """Walk through everything that can be wrong; `component` (1 is the largest) chooses one of several."""
@@ -276,20 +285,13 @@ def examine(polygons: Polygons, component: int | None = None) -> Examination:
         walk.look_at_winding,
         walk.look_at_flat_faces,
         walk.look_at_volume,
+        walk.look_at_thin_faces,
     )
     for step in steps:
         step()
         if walk.hopeless:
             break
     return walk
-
-
-def several(sizes: tuple[int, ...]) -> Finding:
-    """The finding that names several components, the largest first."""
-    named = ", ".join(f"{size:,}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
-    finding = counted("several_components", len(sizes), f" with {named} faces")
-    remedy = f"choose one by its number, component=1 (the largest) to component={len(sizes)}"
-    return Finding(**{**vars(finding), "remedy": remedy})
 
 
 def _vertices(count: int) -> str:

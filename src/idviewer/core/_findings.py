@@ -78,9 +78,10 @@ KINDS = {
         "pinched vertices, where the surface touches itself,",
         repair="kept",
     ),
+    "uneven_triangles": Kind("", "", repair="bridged by an intrinsic Delaunay triangulation"),
 }
 
-KEPT = ("touching_vertices", "pinched_vertices")
+KEPT = ("touching_vertices", "pinched_vertices", "uneven_triangles")
 """Kinds that a mesh may have: they are reported, and nothing is done about them."""
 
 CHOICES = ("several_components", "no_such_component")
@@ -157,6 +158,14 @@ def stated(
         message += f", near {spot(*place)}"
         where = tuple(place[0].tolist())
     return Finding(kind, count, message, where, words.repair or None, words.remedy, subject)
+
+
+def several(sizes: tuple[int, ...]) -> Finding:
+    """The finding that names several components, the largest first."""
+    named = ", ".join(f"{size:,}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
+    finding = counted("several_components", len(sizes), f" with {named} faces")
+    remedy = f"choose one by its number, component=1 (the largest) to component={len(sizes)}"
+    return Finding(**{**vars(finding), "remedy": remedy})
 
 
 def spot(point: Floats, size: float) -> str:

@@ -1,4 +1,8 @@
-"""The discrete Laplace-Beltrami operator of a boundary: stiffness and masses of meshes and of polygons."""
+"""The discrete Laplace-Beltrami operator of a boundary: stiffness and masses of meshes and of polygons.
+
+`laplacian_of` and `masses_of` belong together: both are those of the mesh's triangles, or, where thin ones
+would spoil them (`Mesh.unevenness`), both are those of an intrinsic Delaunay triangulation.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from idviewer.core.intrinsic import intrinsic_pair
 from idviewer.core.mesh import Mesh
 from idviewer.core.polygon import Polygon
 from idviewer.core.shape import Shape
@@ -14,26 +19,31 @@ Floats = NDArray[np.float64]
 
 
 def laplacian_of(shape: Shape) -> sparse.csc_array:
-    """The stiffness matrix L (n, n) of a shape's boundary: `cotangent_laplacian` or `polygon_laplacian`.
+    """The stiffness matrix L (n, n) of a shape's boundary.
+
+    `cotangent_laplacian`, or that of `intrinsic_pair` where thin triangles spoil it, or `polygon_laplacian`.
 
     >>> from idviewer.core import Polygon
     >>> laplacian_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).diagonal().tolist()
     [2.0, 2.0, 2.0, 2.0]
     """
     if isinstance(shape, Mesh):
-        return cotangent_laplacian(shape)
+        return cotangent_laplacian(shape) if shape.unevenness.bearable else intrinsic_pair(shape)[0]
     return polygon_laplacian(_polygon(shape))
 
 
 def masses_of(shape: Shape) -> Floats:
-    """The diagonal (n,) of a shape's mass matrix M: `voronoi_areas` or `voronoi_lengths`.
+    """The diagonal (n,) of a shape's mass matrix M, consistent with `laplacian_of`.
+
+    `voronoi_areas`, or those of `intrinsic_pair` where thin triangles spoil the Laplacian, or
+    `voronoi_lengths`.
 
     >>> from idviewer.core import Polygon
     >>> masses_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).tolist()
     [1.0, 1.0, 1.0, 1.0]
     """
     if isinstance(shape, Mesh):
-        return voronoi_areas(shape)
+        return voronoi_areas(shape) if shape.unevenness.bearable else intrinsic_pair(shape)[1]
     return voronoi_lengths(_polygon(shape))
 
 

@@ -16,6 +16,7 @@ from idviewer.core._mending import side_vectors, volume_and_area
 from idviewer.core._patches import Patches
 from idviewer.core._polygons import Polygons
 from idviewer.core._topology import Topology
+from idviewer.core._unevenness import Unevenness, unevenness_of
 from idviewer.core.shape import ShapeError
 
 AnyArray = TypeVar("AnyArray", bound=np.ndarray)
@@ -111,6 +112,8 @@ class Mesh:
         object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(walk.vertices)))
         object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(walk.faces)))
         object.__setattr__(self, "notes", tuple(notes))
+        if walk.unevenness is not None:
+            self.__dict__["unevenness"] = walk.unevenness  # of these arrays; it takes a while
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
@@ -134,6 +137,11 @@ class Mesh:
     def edges(self) -> NDArray[np.int64]:
         """(e, 2) vertices of each edge, the lower index first, in ascending order."""
         return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
+
+    @cached_property
+    def unevenness(self) -> Unevenness:
+        """Whether thin triangles spoil the cotangent Laplacian."""
+        return unevenness_of(self.vertices, self.faces)
 
     @cached_property
     def patches(self) -> Patches:

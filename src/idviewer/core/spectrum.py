@@ -16,6 +16,7 @@ from idviewer.core._polygon_spectrum import low_pairs
 from idviewer.core.laplacian import laplacian_of, masses_of
 from idviewer.core.mesh import Mesh
 from idviewer.core.polygon import Polygon, PolygonError
+from idviewer.core.room import check_room
 from idviewer.core.shape import Shape
 from idviewer.core.simplification import simplification_steps
 from idviewer.core.steps import finish, without_shares
@@ -85,7 +86,8 @@ def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) ->
         The spectrum; eigenvalues have relative errors below 1e-10.
 
     Raises:
-        ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError).
+        ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError),
+            or a mesh does not fit into memory (see `idviewer.core.room`).
 
     >>> import numpy as np
     >>> from idviewer.core import read_mesh, sample_path
@@ -111,6 +113,7 @@ def eigenpair_steps(
 
 
 def _pair_steps(shape: Shape, cutoff: Callable[[float], float], guess: float | None) -> Steps:
+    check_room(shape)
     masses = masses_of(shape)
     yield 0.0
     if isinstance(shape, Polygon):

@@ -13,6 +13,7 @@ import numpy as np
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
 from idviewer.core.compilation import compile_steps
 from idviewer.core.preview import is_worth_previewing
+from idviewer.core.room import check_room
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.core.threads import few_threads, small_products
 from idviewer.session.framing import Framing
@@ -69,7 +70,9 @@ class Pipeline:
             match request:
                 case OpenRequest():
                     yield Progress(f"Reading {request.path.name}")
-                    yield Opened(read_shape(request.path, component=request.component), request.path)
+                    shape = read_shape(request.path, component=request.component)
+                    check_room(shape)  # what is open stays
+                    yield Opened(shape, request.path)
                 case FrameRequest():
                     with few_threads(request.shape):
                         yield from _patiently(request.shape, self._frames(request))

@@ -1,0 +1,77 @@
+"""A mesh that does not fit into memory is refused before the work, with the figures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.core import shapes
+
+from idviewer.core import InteriorDistance, Mesh, MeshError, Polygon, eigenpairs, room
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.state import Failure, OpenRequest
+
+LINE = (
+    r"^ball has 2,562 vertices and would need about 23 MB; this machine has 9 MB: "
+    r"simplify it to about 1,000 vertices$"
+)
+
+
+@pytest.fixture(scope="module")
+def ball() -> Mesh:
+    return Mesh(*shapes.icosphere(4), name="ball")
+
+
+@pytest.fixture
+def small_machine(monkeypatch):
+    monkeypatch.setattr(room, "room_bytes", lambda: 9e6)
+
+
+@pytest.mark.parametrize("work", [eigenpairs, InteriorDistance])
+def test_the_library_refuses_before_it_factors_anything(ball, small_machine, monkeypatch, work):
+    monkeypatch.setattr("idviewer.core.spectrum.masses_of", lambda shape: pytest.fail("work was begun"))
+    with pytest.raises(MeshError, match=LINE):
+        work(ball)
+
+
+def test_what_is_open_stays_when_a_file_is_too_large(small_machine, tmp_path):
+    vertices, faces = shapes.icosphere(4)
+    path = tmp_path / "ball.off"
+    with path.open("w") as file:
+        file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
+        np.savetxt(file, vertices)
+        np.savetxt(file, np.column_stack([np.full(len(faces), 3), faces]), fmt="%d")
+    *_, last = Pipeline().results(OpenRequest(path))
+    assert isinstance(last, Failure), "no Opened: the session keeps its shape"
+    with pytest.raises(MeshError, match=LINE):
+        raise last.error
+
+
+def test_polygons_and_small_meshes_pass(ball):
+    room.check_room(Polygon(shapes.star(60)), room=1.0)
+    room.check_room(ball, room=room.needed_bytes(2562))
+
+
+@pytest.mark.parametrize("bytes_there", [1e7, 3.1e9, 2.5e10, 1e13])
+def test_the_size_that_is_recommended_fits_and_is_not_timid(bytes_there):
+    count = room.vertices_for(bytes_there)
+    assert 0.85 * bytes_there < room.needed_bytes(count) <= bytes_there
+
+
+def test_need_grows_with_size_and_half_a_million_vertices_fit_into_six_gigabytes():
+    needs = [room.needed_bytes(count) for count in (4, 27_000, 134_000, 537_000, 12_000_000)]
+    assert needs == sorted(needs)
+    assert needs[3] < 6e9
+    assert needs[4] > 6e10
+
+
+def test_a_container_s_limit_counts(tmp_path, monkeypatch):
+    limits = (tmp_path / "memory.max", tmp_path / "missing")
+    monkeypatch.setattr(room, "LIMITS", limits)
+    limits[0].write_text("max\n")
+    room.room_bytes.cache_clear()
+    whole = room.room_bytes()
+    limits[0].write_text("1000000\n")
+    room.room_bytes.cache_clear()
+    assert (room.room_bytes(), whole > 1e6) == (1e6, True)
+    monkeypatch.undo()
+    room.room_bytes.cache_clear()
