@@ -9,14 +9,15 @@ from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
+from idviewer.core import Distance, InteriorDistance, Polygon, Shape, read_shape
 from idviewer.core.compilation import compile_steps
-from idviewer.core.spectrum import eigenpair_steps
 from idviewer.core.threads import few_threads, small_products
+from idviewer.session.eigenpairs import Eigenpairs
 from idviewer.session.framing import Framing
 from idviewer.session.memory import give_back
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
+from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -46,9 +47,13 @@ class Pipeline:
 
     Half-done preparation of a shape is kept when a newer query arrives, so moving a plane meanwhile does
     not start it anew. One thread at a time may use a pipeline.
+
+    Args:
+        cache: where eigenpairs are kept from one run of the program to the next; None for nowhere.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, cache: SpectrumCache | None = None) -> None:
+        self._eigenpairs = Eigenpairs(cache)
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
@@ -94,7 +99,7 @@ class Pipeline:
             yield Ready(request.shape, modes, np.array(prepared.barycentroid(query)))
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
-            yield from _coarse_to_fine(prepared, framing, samples)
+            yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
@@ -121,7 +126,9 @@ class Pipeline:
             for share in compile_steps(shape.dimension):
                 yield Progress(COMPILING, share)
             self._compiled.add(shape.dimension)
-        spectrum = (yield from _eigenpairs(shape, query.distance)) if query.distance.spectral else None
+        spectrum = None
+        if query.distance.spectral:
+            spectrum = yield from self._eigenpairs.steps(shape, query.distance)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
         if known is not None:
@@ -190,30 +197,23 @@ def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Ge
         yield Progress(stage, share)
 
 
-def run_to_end(shape: Shape, query: Query) -> Frame:
+def run_to_end(shape: Shape, query: Query, cache: SpectrumCache | None = None) -> Frame:
     """The finest, exact frame of a query, computed in this thread.
+
+    Args:
+        shape: the shape.
+        query: what to compute.
+        cache: where eigenpairs are kept; None for nowhere.
 
     Raises:
         ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
         QueryError: the source lies outside the shape.
     """
     last: Frame | None = None
-    for result in Pipeline().results(FrameRequest(shape, query)):
+    for result in Pipeline(cache).results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if isinstance(result, Frame):
             last = result
     assert last is not None
     return last
-
-
-def _eigenpairs(shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
-    yield Progress("Computing eigenpairs", 0.0)
-    share = 0.0
-    steps = eigenpair_steps(shape, distance.cutoff)
-    while True:
-        try:
-            share = max(share, next(steps) or 0.0)
-        except StopIteration as stop:
-            return stop.value
-        yield Progress("Computing eigenpairs", share)
