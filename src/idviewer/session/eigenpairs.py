@@ -10,8 +10,9 @@ from weakref import ref
 
 from idviewer.core import Distance, Shape, Spectrum
 from idviewer.core.spectrum import eigenpair_steps
+from idviewer.session.opening import Opening
 from idviewer.session.spectrum_cache import SpectrumCache
-from idviewer.session.state import Frame, Progress, Result
+from idviewer.session.state import Frame, Progress, Query, Result
 
 COMPUTING = "Computing eigenpairs"
 READING = "Reading the eigenpairs kept"
@@ -28,7 +29,7 @@ class Eigenpairs:
         self._cache = cache
         self._remarks: tuple[str, ...] = ()
         self._of: ref[Shape] | None = None
-        self._damaged = self._has_complained = False
+        self._are_kept = self._damaged = self._has_complained = False
         self._keeping: Generator[float | None, None, None] | None = None
 
     def remarks(self, shape: Shape) -> tuple[str, ...]:
@@ -53,6 +54,7 @@ class Eigenpairs:
                 spectrum, complaint = stop.value
                 break
             yield Progress(READING, share)
+        self._are_kept = spectrum is not None
         if complaint:
             self._damaged = True
             self._remarks = (
@@ -72,6 +74,7 @@ class Eigenpairs:
             except StopIteration as stop:
                 spent += perf_counter() - began
                 if self._cache is not None and (self._damaged or spent >= self._cache.worth):
+                    self._are_kept = True
                     self._keeping = self._cache.store_steps(shape, stop.value)
                 return stop.value
             spent += perf_counter() - began
@@ -88,6 +91,37 @@ class Eigenpairs:
                 self._keeping = None
                 self._complain(error)
             yield
+
+    def opening_steps(
+        self, shape: Shape, spectrum: Spectrum, query: Query
+    ) -> Generator[Progress, None, Opening | None]:
+        """What the first view of a shape showed, if that is kept."""
+        if self._cache is None or shape.dimension == 2:
+            return None
+        steps = self._cache.lookup_opening_steps(shape, spectrum, query)
+        while True:
+            try:
+                share = next(steps)
+            except StopIteration as stop:
+                opening, complaint = stop.value
+                break
+            yield Progress(READING, share)
+        if complaint:
+            told = f"The view kept of this shape was sampled again: its file {complaint}."
+            self._remarks = (*self._remarks, told)
+        return opening
+
+    def keep_opening_steps(
+        self, shape: Shape, spectrum: Spectrum, query: Query, opening: Opening
+    ) -> Generator[None, None, None]:
+        """Writes what the first view of a shape shows, unless its eigenpairs are not kept."""
+        if self._cache is None or not self._are_kept:
+            return
+        try:
+            for _ in self._cache.store_opening_steps(shape, spectrum, query, opening):
+                yield
+        except OSError as error:
+            self._complain(error)
 
     def kept_after(
         self, results: Generator[Result | None, None, None]

@@ -100,6 +100,16 @@ class Pipeline:
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
+            yield from self._keep_opening(prepared, query)
+            # After a first view that was kept there is nothing yet to sample others with.
+            yield from _with_progress("Preparing slices", framing.prepare_sampler_steps())
+
+    def _keep_opening(self, prepared: Prepared, query: Query) -> Generator[None, None, None]:
+        """Writes what a first view shows for the next run of the program."""
+        spectrum = prepared.spectrum
+        opening = prepared.opening(query)
+        if opening is not None and spectrum is not None:
+            yield from self._eigenpairs.keep_opening_steps(prepared.shape, spectrum, query, opening)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
@@ -137,6 +147,10 @@ class Pipeline:
         steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from _with_progress(_stage(query.distance), steps)
         prepared = Prepared(solver, request.centre if _holds(shape, request.centre) else None)
+        if spectrum is not None:
+            opening = yield from self._eigenpairs.opening_steps(shape, spectrum, query)
+            if opening is not None:
+                prepared.restore(query, opening)
         if not prepared.has_centre:
             yield Progress(SEARCHING)
             with small_products():
@@ -215,5 +229,7 @@ def run_to_end(shape: Shape, query: Query, cache: SpectrumCache | None = None) -
             raise result.error
         if isinstance(result, Frame):
             last = result
+        if last is not None and last.exact and isinstance(result, Progress):
+            break  # what follows is for frames to come
     assert last is not None
     return last

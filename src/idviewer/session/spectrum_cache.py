@@ -16,6 +16,8 @@ from idviewer.core import Shape, Spectrum
 from idviewer.core.spectrum import SOLVER_VERSION
 from idviewer.core.steps import finish
 from idviewer.session.bounded_folder import BoundedFolder
+from idviewer.session.opening import Opening, kind_steps
+from idviewer.session.state import Query
 from idviewer.session.stored_arrays import Arrays, DamagedError, read_about, read_steps, write_steps
 
 FORMAT = 1
@@ -27,7 +29,7 @@ LIMIT = 2 * 10**9
 WORTH = 0.2
 """Seconds of computing from which on eigenpairs are kept; reading them takes a hundredth to a tenth of it."""
 
-SUFFIX = ".eigenpairs"
+SUFFIX, VIEW = ".kept", "-view"
 PORTION = 2**22
 """Bytes hashed between two checkpoints: some 5 ms."""
 
@@ -112,11 +114,46 @@ class SpectrumCache:
             return Lookup(None)
         except OSError as error:
             return Lookup(None, f"cannot be read: {error.strerror}")
-        except (DamagedError, LookupError, TypeError, ValueError) as error:
-            return Lookup(None, str(error) if isinstance(error, DamagedError) else "is damaged")
+        except (LookupError, TypeError, ValueError) as error:
+            return Lookup(None, _complaint(error))
         self._files.used(key)
         bound = math.inf if about["bound"] is None else about["bound"]
         return Lookup(cut_down(_spectrum_of(arrays, about["residual"], bound), cutoff))
+
+    def lookup_opening_steps(
+        self, shape: Shape, spectrum: Spectrum, query: Query
+    ) -> Generator[float, None, tuple[Opening | None, str]]:
+        """What the first view of a shape with these eigenpairs showed, if it is there; complaints."""
+        key = (yield from _key_steps(shape)) + VIEW
+        try:
+            with open(self._files.file(key), "rb", buffering=0) as file:
+                about, entries = read_about(file)
+                expected = {"key": key, **(yield from kind_steps(query, spectrum))}
+                if any(about[name] != value for name, value in expected.items()):
+                    return None, ""
+                opening = Opening.of(about, (yield from read_steps(file, entries)))
+        except OSError:
+            return None, ""
+        except (LookupError, TypeError, ValueError) as error:
+            return None, _complaint(error)
+        self._files.used(key)
+        return opening, ""
+
+    def store_opening_steps(
+        self, shape: Shape, spectrum: Spectrum, query: Query, opening: Opening
+    ) -> Generator[float | None, None, None]:
+        """Keeps what the first view of a shape shows; that of another distance is replaced.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        size = sum(array.nbytes for array in opening.arrays.values())
+        if not self._files.takes(size):
+            return
+        key = (yield from _key_steps(shape)) + VIEW
+        about = {"key": key, **(yield from kind_steps(query, spectrum)), **opening.about}
+        self._files.make_room(size)
+        yield from write_steps(self._files.file(key), about, opening.arrays)
 
     def store(self, shape: Shape, spectrum: Spectrum) -> None:
         """Keeps eigenpairs; those of a shape that is there are replaced. Too many are not kept.
@@ -151,6 +188,11 @@ def cut_down(spectrum: Spectrum, cutoff: Cutoff) -> Spectrum:
         return replace(spectrum, bound=asked) if math.isfinite(spectrum.bound) else spectrum
     vectors = spectrum.vectors[:, :kept].copy(order="K")
     return replace(spectrum, values=spectrum.values[:kept].copy(), vectors=vectors, bound=asked)
+
+
+def _complaint(error: Exception) -> str:
+    """What is wrong with a file, to end the sentence "the file ..."."""
+    return str(error) if isinstance(error, DamagedError) else "is damaged"
 
 
 def _spectrum_of(arrays: Arrays, residual: float, bound: float) -> Spectrum:

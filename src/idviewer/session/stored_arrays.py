@@ -57,7 +57,7 @@ def write_steps(
         kind = next(key for key, dtype in KINDS.items() if array.dtype == dtype)
         data = np.ascontiguousarray(array.T if order == "F" else array, dtype=kind)
         raw.append(data.reshape(-1).view(np.uint8))
-        checksum = yield from _checksum_steps(raw[-1])
+        checksum = yield from checksum_steps(raw[-1])
         entries.append(
             {"name": name, "kind": kind, "shape": array.shape, "order": order, "checksum": checksum}
         )
@@ -145,7 +145,8 @@ def _fill(file: BinaryIO, piece: memoryview) -> int:
     return done
 
 
-def _checksum_steps(data: Bytes) -> Generator[None, None, int]:
+def checksum_steps(data: Bytes) -> Generator[Any, None, int]:
+    """The checksum of bytes, as it is in the file; yields every few milliseconds."""
     checksum = 0
     for start in range(0, len(data), PIECE):
         checksum = _sum(data[start : start + PIECE], checksum)
