@@ -17,7 +17,8 @@ from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Query
 
 MESH = egg(2)
-QUERY = Query(planes=(Plane((0.1, 0.0, 0.0), (1.0, 0.2, 0.1)),), source=(0.0, 0.3, 0.5))
+PLANE = Plane((0.1, 0.0, 0.0), (1.0, 0.2, 0.1))
+QUERY = Query(planes=(PLANE,), source=(0.0, 0.3, 0.5))
 
 
 @pytest.fixture

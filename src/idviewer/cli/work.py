@@ -205,7 +205,7 @@ def _finest(pipeline: Pipeline, shape: Shape, query: Query) -> Frame:
     for result in pipeline.results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
-        if frame is not None and frame.exact and isinstance(result, Progress):
+        if frame is not None and frame.exact and frame.query == query and isinstance(result, Progress):
             break  # what follows is for frames to come
         if isinstance(result, Progress) and result.stage != told:
             told = result.stage

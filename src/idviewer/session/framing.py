@@ -37,12 +37,8 @@ class Framing:
         """What sampling needs, if there is something to sample, and the samples on the planes to show."""
         samples = [self._sampled.on(plane) for plane in self._planes]
         if not (self.settled and self.has_exact_points and all(one.final for one in samples)):
-            yield from self.prepare_sampler_steps()
+            yield from self._sampled.sampler.prepare_steps()
         return samples
-
-    def prepare_sampler_steps(self) -> Generator[float, None, None]:
-        """What sampling needs on planes yet to come."""
-        yield from self._sampled.sampler.prepare_steps()
 
     @property
     def settled(self) -> bool:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import idviewer
-from idviewer.core import Plane, Spectrum
+from idviewer.core import Plane, Shape, Spectrum
+from idviewer.core.plane import AXES
 from idviewer.session.cloud import Cloud
 from idviewer.session.plane_samples import SampledSlice
 from idviewer.session.state import Point, Query
@@ -87,3 +88,13 @@ def kind_steps(query: Query, spectrum: Spectrum) -> Generator[float, None, dict[
         "of": [VERSION, idviewer.__version__, repr(query.distance), query.coordinates],
         "eigenvectors": [*spectrum.vectors.shape, checksum],
     }
+
+
+def default_plane(mesh: Shape) -> Plane:
+    """The plane through the middle of a mesh's bounding box, across its shortest side: the broadest view.
+
+    Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
+    """
+    axis = list(AXES)[int(np.argmin(np.ptp(mesh.bounds, axis=0)))]
+    plane = Plane.along(axis, 0.5, mesh.bounds)
+    return Plane(plane.origin, (0.0, -1.0, 0.0)) if axis == "y" else plane

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Hashable
 from contextlib import closing
+from dataclasses import replace
 from time import perf_counter
 from typing import TypeVar
 
@@ -15,6 +16,7 @@ from idviewer.core.threads import few_threads, small_products
 from idviewer.session.eigenpairs import Eigenpairs
 from idviewer.session.framing import Framing
 from idviewer.session.memory import give_back
+from idviewer.session.opening import default_plane
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.spectrum_cache import SpectrumCache
@@ -92,17 +94,25 @@ class Pipeline:
         ):
             prepared = yield from self._prepare(request)
         yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
-        framing = Framing(prepared, query)
-        modes = len(framing.solver.spectrum.values) if query.distance.spectral else 0
+        solver = prepared.sampled(query).solver
+        modes = len(solver.spectrum.values) if query.distance.spectral else 0
         if self._told != (prepared, modes):
             self._told = (prepared, modes)
             yield Ready(request.shape, modes, np.array(prepared.barycentroid(query)))
+            if prepared.opened is not None and query.planes == (default_plane(request.shape),):
+                # Who gets to know the barycentroid asks for the plane through it next, and that is there.
+                yield from self._refined(prepared, replace(query, planes=(prepared.opened,)))
+        yield from self._refined(prepared, query)
+        yield from self._keep_opening(prepared, query)
+        # After a first view that was kept there is nothing yet to sample others with.
+        yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps())
+
+    def _refined(self, prepared: Prepared, query: Query) -> Results:
+        """The frames of a query whose shape is prepared."""
+        framing = Framing(prepared, query)
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
-            yield from self._keep_opening(prepared, query)
-            # After a first view that was kept there is nothing yet to sample others with.
-            yield from _with_progress("Preparing slices", framing.prepare_sampler_steps())
 
     def _keep_opening(self, prepared: Prepared, query: Query) -> Generator[None, None, None]:
         """Writes what a first view shows for the next run of the program."""
@@ -229,7 +239,7 @@ def run_to_end(shape: Shape, query: Query, cache: SpectrumCache | None = None) -
             raise result.error
         if isinstance(result, Frame):
             last = result
-        if last is not None and last.exact and isinstance(result, Progress):
+        if last is not None and last.exact and last.query == query and isinstance(result, Progress):
             break  # what follows is for frames to come
     assert last is not None
     return last

@@ -140,6 +140,7 @@ class Prepared:
         self._found: dict[Kind, Point] = {}
         self._latest = centre
         self.has_opening = False
+        self.opened: Plane | None = None
         self._building: tuple[Hashable, Generator[float | None, None, InteriorDistance]] | None = None
         self._search: tuple[Kind, Generator[float | None, None, Barycentroid]] | None = None
 
@@ -227,7 +228,7 @@ class Prepared:
         """Takes what a query's first view shows from an earlier run of the program."""
         self.sampled(query).restore(opening)
         self._found[_kind(query)] = self._latest = opening.barycentroid
-        self.has_opening = True
+        self.has_opening, self.opened = True, opening.plane
 
     def opening(self, query: Query) -> Opening | None:
         """What a query shows, if it is a slice through the barycentroid, all of which is there; once."""

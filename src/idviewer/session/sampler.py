@@ -87,6 +87,8 @@ class Sampler:
 
     def prepare_steps(self) -> Generator[float, None, None]:
         """What sampling needs; goes on where it was left, yields the share done every few milliseconds."""
+        if not self.ready:
+            yield 0.0  # before the first step, which is long
         while not self.ready:
             try:
                 share = next(self._preparation)

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from idviewer.core import Diffusion, Plane, Polygon, Shape
 from idviewer.core.distances import missing, with_defaults
-from idviewer.core.plane import AXES
 from idviewer.core.rays import Ray
+from idviewer.session.opening import default_plane
 from idviewer.session.picking import FramePicker, Probe, Target, pick
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Runner, Work
@@ -267,16 +267,6 @@ class Session:
     def _finish(self) -> None:
         self.busy = False
         self.progressed.emit(None)
-
-
-def default_plane(mesh: Shape) -> Plane:
-    """The plane through the middle of a mesh's bounding box, across its shortest side: the broadest view.
-
-    Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
-    """
-    axis = list(AXES)[int(np.argmin(np.ptp(mesh.bounds, axis=0)))]
-    plane = Plane.along(axis, 0.5, mesh.bounds)
-    return Plane(plane.origin, (0.0, -1.0, 0.0)) if axis == "y" else plane
 
 
 def point_of(values: object) -> Point:
