@@ -733,7 +733,7 @@ class TestCache:
         told = run(verb[0], body, *verb[1:])
         assert told.status == 0
         assert told.err.splitlines() == [
-            "idviewer: The eigenpairs kept of this shape were computed again: their file is damaged."
+            "idviewer: The eigenpairs kept of this shape were computed again: their file was damaged."
         ]
         assert run("barycentroid", body).err == ""
 

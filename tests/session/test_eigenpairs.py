@@ -124,7 +124,7 @@ def test_damage_is_remarked_once_and_mended(filled, damage):
     told = results(filled)
     assert COMPUTING in stages(told)
     assert {len(frame.remarks) for frame in frames(told)} == {1}
-    assert "computed again: their file is" in frames(told)[0].remarks[0]
+    assert "computed again: their file was" in frames(told)[0].remarks[0]
     assert path.read_bytes() == content
     assert frames(results(filled))[0].remarks == ()
 

@@ -14,7 +14,7 @@ from idviewer.core import Biharmonic, Diffusion, InteriorDistance, Plane
 from idviewer.session import eigenpairs, spectrum_cache
 from idviewer.session.eigenpairs import READING
 from idviewer.session.opening import default_plane
-from idviewer.session.pipeline import COMPILING, SEARCHING, Pipeline, run_to_end
+from idviewer.session.pipeline import SEARCHING, Pipeline, run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready
 
@@ -71,7 +71,7 @@ def test_it_takes_no_sample(seen, monkeypatch):
     monkeypatch.delattr(eigenpairs, "eigenpair_steps")
     monkeypatch.setattr(InteriorDistance, "sample_steps", None)
     again, _ = view(cache, stop=True)
-    assert stages(again) == [COMPILING, READING]
+    assert stages(again) == [READING]
     (frame,) = frames(again)
     last = frames(first)[-1]
     assert frame.exact

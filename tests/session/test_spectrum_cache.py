@@ -122,7 +122,7 @@ def test_a_damaged_byte_is_told_and_replaced(filled, spectrum, place):
     content = bytearray(path.read_bytes())
     content[place] ^= 0x10
     path.write_bytes(content)
-    assert complaint(filled) in ("is damaged", "is of another kind")
+    assert complaint(filled) in ("was damaged", "was of another kind")
     filled.store(MESH, spectrum)
     assert_same(filled.lookup(MESH, paper_cutoff), spectrum)
 
@@ -130,26 +130,26 @@ def test_a_damaged_byte_is_told_and_replaced(filled, spectrum, place):
 def test_half_a_file_is_told(filled):
     path = the_file(filled)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    assert complaint(filled) == "is damaged"
+    assert complaint(filled) == "was damaged"
 
 
 def test_a_text_is_told(filled):
     the_file(filled).write_text("This is no spectrum.")
-    assert complaint(filled) == "is of another kind"
+    assert complaint(filled) == "was of another kind"
 
 
 def test_the_file_of_another_shape_is_told(filled, tmp_path):
     elsewhere = SpectrumCache(tmp_path / "elsewhere")
     elsewhere.store(STAR, eigenpairs(STAR))
     os.replace(the_file(elsewhere), the_file(filled))
-    assert complaint(filled) == "is of another shape or version"
+    assert complaint(filled) == "was of another shape or version"
 
 
 def test_a_folder_in_place_of_the_file_is_told(filled):
     path = the_file(filled)
     path.unlink()
     path.mkdir()
-    assert complaint(filled) == "cannot be read: Is a directory"
+    assert complaint(filled) == "could not be read: Is a directory"
 
 
 def test_those_used_longest_ago_make_room(tmp_path, spectrum):

@@ -35,10 +35,15 @@ class Framing:
 
     def prepare_steps(self) -> Generator[float, None, list[PlaneSamples]]:
         """What sampling needs, if there is something to sample, and the samples on the planes to show."""
-        samples = [self._sampled.on(plane) for plane in self._planes]
-        if not (self.settled and self.has_exact_points and all(one.final for one in samples)):
+        if not self.is_there:
             yield from self._sampled.sampler.prepare_steps()
-        return samples
+        return [self._sampled.on(plane) for plane in self._planes]
+
+    @property
+    def is_there(self) -> bool:
+        """Whether nothing has to be sampled for the exact frame."""
+        final = all(self._sampled.on(plane).final for plane in self._planes)
+        return final and self.settled and self.has_exact_points
 
     @property
     def settled(self) -> bool:

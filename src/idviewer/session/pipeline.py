@@ -105,14 +105,25 @@ class Pipeline:
         yield from self._refined(prepared, query)
         yield from self._keep_opening(prepared, query)
         # After a first view that was kept there is nothing yet to sample others with.
+        yield from self._compile(request.shape)
         yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps())
 
     def _refined(self, prepared: Prepared, query: Query) -> Results:
         """The frames of a query whose shape is prepared."""
         framing = Framing(prepared, query)
+        if not framing.is_there:
+            yield from self._compile(prepared.shape)
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
+
+    def _compile(self, shape: Shape) -> Generator[Progress, None, None]:
+        """Has kernels compiled or loaded, once."""
+        if shape.dimension not in self._compiled:
+            yield Progress(COMPILING)
+            for share in compile_steps(shape.dimension):
+                yield Progress(COMPILING, share)
+            self._compiled.add(shape.dimension)
 
     def _keep_opening(self, prepared: Prepared, query: Query) -> Generator[None, None, None]:
         """Writes what a first view shows for the next run of the program."""
@@ -141,14 +152,15 @@ class Pipeline:
     ) -> Generator[Progress, None, Prepared]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
-        if shape.dimension not in self._compiled:
-            yield Progress(COMPILING)
-            for share in compile_steps(shape.dimension):
-                yield Progress(COMPILING, share)
-            self._compiled.add(shape.dimension)
-        spectrum = None
+        spectrum = opening = None
         if query.distance.spectral:
-            spectrum = yield from self._eigenpairs.steps(shape, query.distance)
+            spectrum = yield from self._eigenpairs.recall_steps(shape, query.distance)
+        if spectrum is not None:
+            opening = yield from self._eigenpairs.opening_steps(shape, spectrum, query)
+        if opening is None:
+            yield from self._compile(shape)
+        if query.distance.spectral and spectrum is None:
+            spectrum = yield from self._eigenpairs.compute_steps(shape, query.distance)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
         if known is not None:
@@ -157,10 +169,8 @@ class Pipeline:
         steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from _with_progress(_stage(query.distance), steps)
         prepared = Prepared(solver, request.centre if _holds(shape, request.centre) else None)
-        if spectrum is not None:
-            opening = yield from self._eigenpairs.opening_steps(shape, spectrum, query)
-            if opening is not None:
-                prepared.restore(query, opening)
+        if opening is not None:
+            prepared.restore(query, opening)
         if not prepared.has_centre:
             yield Progress(SEARCHING)
             with small_products():

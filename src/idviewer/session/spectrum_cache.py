@@ -105,7 +105,7 @@ class SpectrumCache:
             with open(self._files.file(key), "rb", buffering=0) as file:
                 about, entries = read_about(file)
                 if about["key"] != key:
-                    raise DamagedError("is of another shape or version")
+                    raise DamagedError("was of another shape or version")
                 # Reading what does not reach far enough would take as long as reading what does.
                 if about["bound"] is not None and about["bound"] < cutoff(about["lambda_2"]):
                     return Lookup(None)
@@ -113,7 +113,7 @@ class SpectrumCache:
         except (FileNotFoundError, NotADirectoryError, PermissionError):
             return Lookup(None)
         except OSError as error:
-            return Lookup(None, f"cannot be read: {error.strerror}")
+            return Lookup(None, f"could not be read: {error.strerror}")
         except (LookupError, TypeError, ValueError) as error:
             return Lookup(None, _complaint(error))
         self._files.used(key)
@@ -192,7 +192,7 @@ def cut_down(spectrum: Spectrum, cutoff: Cutoff) -> Spectrum:
 
 def _complaint(error: Exception) -> str:
     """What is wrong with a file, to end the sentence "the file ..."."""
-    return str(error) if isinstance(error, DamagedError) else "is damaged"
+    return str(error) if isinstance(error, DamagedError) else "was damaged"
 
 
 def _spectrum_of(arrays: Arrays, residual: float, bound: float) -> Spectrum:

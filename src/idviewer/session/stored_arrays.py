@@ -89,15 +89,15 @@ def read_about(file: BinaryIO) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """
     start = file.read(len(MAGIC) + 8)
     if not start.startswith(MAGIC):
-        raise DamagedError("is of another kind")
+        raise DamagedError("was of another kind")
     length, checksum = np.frombuffer(start[len(MAGIC) :].ljust(8, b"\0"), dtype="<u4").tolist()
     head = file.read(min(length, LONGEST_HEADER))
     if len(head) < length or zlib.crc32(head) != checksum:
-        raise DamagedError("is damaged")
+        raise DamagedError("was damaged")
     known = json.loads(head)
     size = len(start) + length + sum(_bytes_of(one) for one in known["arrays"])
     if os.fstat(file.fileno()).st_size != size:
-        raise DamagedError("is damaged")
+        raise DamagedError("was damaged")
     return known["about"], known["arrays"]
 
 
@@ -116,12 +116,12 @@ def read_steps(file: BinaryIO, entries: list[dict[str, Any]]) -> Generator[float
         while left:
             piece = left[:PIECE]
             if _fill(file, piece) < len(piece):
-                raise DamagedError("is damaged")
+                raise DamagedError("was damaged")
             checksum = zlib.crc32(piece, checksum)
             left, done = left[len(piece) :], done + len(piece)
             yield done / total
         if checksum != entry["checksum"]:
-            raise DamagedError("is damaged")
+            raise DamagedError("was damaged")
         arrays[entry["name"]] = data.view(entry["kind"]).reshape(entry["shape"], order=entry["order"])
     return arrays
 
