@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from idviewer.core import InteriorDistance, Mesh, Plane, section
 from idviewer.core.plane import AXES
 from idviewer.core.slice_mesh import slice_mesh, spacing_for
-from idviewer.session.pipeline import Pipeline
+from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.session import default_plane
-from idviewer.session.state import Failure, FrameRequest, Query
+from idviewer.session.state import Query
 
 Floats = NDArray[np.float64]
 
@@ -65,9 +65,7 @@ class Body:
     def pipeline(self) -> Pipeline:
         """One that has shown the default plane to the last level, as a viewer that was left alone."""
         pipeline = Pipeline()
-        for result in pipeline.results(FrameRequest(self.mesh, Query(planes=(default_plane(self.mesh),)))):
-            if isinstance(result, Failure):
-                raise result.error
+        run_to_end(self.mesh, Query(planes=(default_plane(self.mesh),)), pipeline)
         return pipeline
 
 

@@ -6,11 +6,13 @@ import argparse
 import os
 import sys
 import time
+from itertools import product
 from pathlib import Path
 
 from figures import document
 from figures.gallery import FIGURES
 from figures.registry import Run
+from idviewer.core import COORDINATES
 from idviewer.core.compilation import compile_steps
 from idviewer.core.steps import finish
 
@@ -25,7 +27,8 @@ def main() -> None:
     run = Run(arguments.images)
     start = time.monotonic()
     tell(0, len(chosen), "compiling kernels", start)
-    finish(compile_steps())
+    for dimension, coordinates in product((2, 3), COORDINATES):
+        finish(compile_steps(dimension, coordinates))
     for done, number in enumerate(chosen):
         tell(done, len(chosen), FIGURES[number].title, start)
         document.write(arguments.document, number, FIGURES[number].make(run).markdown())

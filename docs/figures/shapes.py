@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from figures.bending import Floats, Map
 from figures.registry import SEED
@@ -95,8 +94,3 @@ def inner_points(mesh: Mesh, count: int) -> Floats:
         spacing *= 0.9
         points = np.concatenate([slice_mesh(cut, spacing).node_points for cut in cuts if cut.area > 0.0])
     return np.random.default_rng(SEED).permutation(points)[:count]
-
-
-def ends_of(points: Floats, axis: int) -> NDArray[np.int64]:
-    """The indices of points, those far along an axis first."""
-    return np.argsort(-points[:, axis], kind="stable")

@@ -14,8 +14,8 @@ from figures.flat import ISOLINES, title
 from figures.registry import Run
 from idviewer.core import Mesh, Plane
 from idviewer.session import Display, Query, State
-from idviewer.session.pipeline import Pipeline
-from idviewer.session.state import Failure, Frame, FrameRequest
+from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.state import Frame
 from idviewer.view.images import default_camera, image
 
 Pixels = NDArray[np.uint8]
@@ -35,15 +35,8 @@ _PIPELINE = Pipeline()
 
 
 def frame_of(mesh: Mesh, query: Query) -> Frame:
-    """The finest frame of a query, like `run_to_end`; what was prepared of the last mesh is used again."""
-    last: Frame | None = None
-    for result in _PIPELINE.results(FrameRequest(mesh, query)):
-        if isinstance(result, Failure):
-            raise result.error
-        if isinstance(result, Frame):
-            last = result
-    assert last is not None
-    return last
+    """The finest frame of a query; what was prepared of the last mesh is used again."""
+    return run_to_end(mesh, query, _PIPELINE)
 
 
 def picture(

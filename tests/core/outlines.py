@@ -31,6 +31,17 @@ def with_holes() -> Polygon:
     return Polygon.of_loops([circle(60), *holes], name="plate")
 
 
+def shortest_paths(polygon: Polygon) -> np.ndarray:
+    """(n, n) lengths of the shortest paths along loops and wires, with every vertex tried on the way."""
+    result = np.full((len(polygon.vertices),) * 2, np.inf)
+    np.fill_diagonal(result, 0.0)
+    for ends, lengths in ((polygon.edges, polygon.lengths), (polygon.wires, polygon.wire_lengths)):
+        result[ends[:, 0], ends[:, 1]] = result[ends[:, 1], ends[:, 0]] = lengths
+    for way in range(len(result)):
+        np.minimum(result, result[:, [way]] + result[way], out=result)
+    return result
+
+
 def staircase(steps: int) -> Polygon:
     """Axis-parallel edges only, many of them on common lines."""
     corners = [(0.0, 0.0), (float(steps), 0.0)]

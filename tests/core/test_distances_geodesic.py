@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 from tests.core import shapes
-from tests.core.outlines import flower, with_holes
+from tests.core.outlines import flower, shortest_paths, with_holes
 
 from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polygon
 from idviewer.core.distances.spectral import percentage
@@ -60,16 +60,16 @@ def test_along_a_polygon_they_are_arc_lengths_and_take_wires():
 
 
 @pytest.mark.parametrize("polygon", [flower(90), with_holes()], ids=["one loop", "holes"])
-def test_a_polygon_s_are_those_it_has_in_closed_form(polygon):
+def test_a_polygon_s_are_the_shortest_of_all_paths(polygon):
     geodesics = Geodesics(polygon)
     found = np.stack([geodesics.from_vertex(vertex) for vertex in range(len(polygon.vertices))])
-    np.testing.assert_allclose(found, polygon.geodesics(), rtol=1e-11, atol=1e-12 * polygon.diagonal)
+    np.testing.assert_allclose(found, shortest_paths(polygon), rtol=1e-11, atol=1e-12 * polygon.diagonal)
 
 
 def test_a_polygon_s_embedding_is_the_positive_part_of_its_gram_matrix():
     """Arc lengths of a loop do not embed: their squares' Gram matrix has negative eigenvalues."""
     for polygon in (flower(90), with_holes()):
-        values, vectors = np.linalg.eigh(double_centred(polygon.geodesics() ** 2))
+        values, vectors = np.linalg.eigh(double_centred(shortest_paths(polygon) ** 2))
         positive = (vectors * np.maximum(values, 0)) @ vectors.T
         solver = InteriorDistance(polygon, Geodesic())
         gram = solver.vertex_embedding @ solver.vertex_embedding.T

@@ -16,6 +16,7 @@ from idviewer.core import (
     interior_distance,
     voronoi_areas,
 )
+from idviewer.core.barycentroid import LAST_RADIUS
 from idviewer.core.distances import missing
 
 
@@ -150,6 +151,15 @@ def test_the_barycentroid_of_a_box_is_its_centre_and_the_euclidean_one_the_surfa
     solver = InteriorDistance(body, Euclidean())
     expected = voronoi_areas(body) @ body.vertices / body.area
     np.testing.assert_allclose(solver.barycentroid().point, expected, atol=1e-6)
+
+
+def test_the_barycentroid_of_an_ellipsoid_is_its_centre_after_any_time():
+    vertices, faces = shapes.icosphere(2)
+    body = Mesh(vertices * [1.6, 0.6, 0.4], faces)
+    solver = InteriorDistance(body)
+    for times in (1.0, 20.0, 50.0):
+        longer = solver.with_distance(Diffusion(time=times / (8.0 * solver.spectrum.values[0])))
+        assert np.linalg.norm(longer.barycentroid().point) < LAST_RADIUS * body.diagonal
 
 
 def test_distances_that_need_no_spectrum_have_none(mesh):

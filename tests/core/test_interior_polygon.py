@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.core.outlines import circle, regular
+from tests.core.outlines import circle, regular, shortest_paths
 from tests.core.property_shapes import exact_distance, inside, pairs, shape, solver_of, thorough
 
 from idviewer.core import (
@@ -84,9 +84,9 @@ def test_truncation_loses_what_the_modes_left_out_weigh(name):
 
 @POLYGONS
 def test_geodesics_are_those_of_the_polygon_nearest_to_embeddable(name):
-    """The positive part of the Gram matrix of `Polygon.geodesics`, by classical scaling of all pairs."""
+    """The positive part of the Gram matrix of the shortest paths, by classical scaling of all pairs."""
     polygon, (p, q) = shape(name), pairs(name)
-    lengths = polygon.geodesics()
+    lengths = shortest_paths(polygon)
     with pytest.raises(DistanceError, match="do not embed exactly"):
         InteriorDistance(polygon, GivenDistances(lengths))
     expected = InteriorDistance(polygon, GivenDistances(lengths, fit="approximate"))

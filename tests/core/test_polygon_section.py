@@ -20,7 +20,7 @@ from idviewer.core import (
     sample_path,
 )
 from idviewer.core.barycentroid import barycentroid_steps, interior_samples
-from idviewer.core.polygon_section import spatial
+from idviewer.core.shape import in_space
 from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
 from idviewer.core.steps import finish
 
@@ -41,7 +41,7 @@ def areas(mesh: SliceMesh) -> np.ndarray:
 def test_outline_points_are_the_vertices_exactly(polygon, offset):
     moved = Polygon(polygon.vertices + offset, polygon.loops)
     outline = polygon_section(moved)
-    np.testing.assert_array_equal(outline.points, spatial(moved.vertices))
+    np.testing.assert_array_equal(outline.points, in_space(moved.vertices))
     np.testing.assert_array_equal(outline.interpolate(moved.vertices), moved.vertices)
     assert outline.area == pytest.approx(moved.area, rel=1e-13)
     assert outline.plane.normal == (0.0, 0.0, 1.0)

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
-import scipy.sparse.csgraph
 from tests.core.outlines import flower, regular, with_holes
 
 import idviewer.core.spectrum as spectrum_module
@@ -126,15 +125,6 @@ def test_resistances_are_those_of_the_laplacian():
         diagonal = np.diag(inverse)
         expected = diagonal[:, None] + diagonal - 2.0 * inverse
         np.testing.assert_allclose(polygon.resistances(), expected, atol=1e-11 * expected.max())
-
-
-def test_geodesics_are_shortest_paths_along_loops_and_wires():
-    for polygon in (flower(60), WITH_HOLES):
-        ends = np.concatenate([polygon.edges, polygon.wires])
-        lengths = np.linalg.norm(polygon.vertices[ends[:, 0]] - polygon.vertices[ends[:, 1]], axis=1)
-        graph = scipy.sparse.csr_array((lengths, ends.T), shape=(len(polygon.vertices),) * 2)
-        expected = scipy.sparse.csgraph.shortest_path(graph, directed=False)
-        np.testing.assert_allclose(polygon.geodesics(), expected, rtol=1e-12, atol=1e-12 * polygon.diagonal)
 
 
 def test_heat_flows_between_loops():

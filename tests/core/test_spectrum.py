@@ -10,7 +10,8 @@ from tests.core import shapes
 import idviewer.core.spectrum as spectrum_module
 from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
 from idviewer.core.mesh import Mesh, MeshError
-from idviewer.core.spectrum import eigenpairs, paper_cutoff
+from idviewer.core.spectrum import eigenpair_steps, eigenpairs, paper_cutoff
+from idviewer.core.steps import finish
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +90,37 @@ def test_no_mode_of_a_sphere_is_missed_though_many_are_equal(sphere):
     degree = np.round((np.sqrt(1 + 4 * spectrum.values) - 1) / 2).astype(int)
     counts = np.bincount(degree)[1:6]
     np.testing.assert_array_equal(counts, [3, 5, 7, 9, 11])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [-0.05, 0.0, 0.05])
+def test_a_guess_of_lambda_2_changes_the_way_and_not_the_result(sphere, error):
+    """Shifted among the eigenvalues, in a cluster (6 occurs five times) or not, it finds them all."""
+    plain = eigenpairs(sphere, lambda lambda_2: 20.5 * lambda_2)
+    guessed = finish(
+        eigenpair_steps(sphere, lambda lambda_2: 20.5 * lambda_2, (1.0 + error) * plain.values[0])
+    )
+    np.testing.assert_allclose(guessed.values, plain.values, rtol=1e-9)
+    overlap = plain.vectors.T @ (plain.masses[:, None] * guessed.vectors)
+    np.testing.assert_allclose(np.linalg.svd(overlap)[1], 1.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_large_mesh_is_guessed_from_a_simplified_one(monkeypatch):
+    mesh = Mesh(*shapes.icosphere(5))
+    seen = []
+    original = spectrum_module._krylov_steps
+
+    def watched(shape, masses, cutoff, guess=None):
+        seen.append((len(masses), guess))
+        return original(shape, masses, cutoff, guess)
+
+    monkeypatch.setattr(spectrum_module, "_krylov_steps", watched)
+    values = eigenpairs(mesh).values
+    assert [count for count, _ in seen] == [spectrum_module.COARSE, len(mesh.vertices)]
+    assert seen[1][1] == pytest.approx(values[0], rel=0.03)
+    degree = np.round((np.sqrt(1 + 4 * values) - 1) / 2).astype(int)
+    np.testing.assert_array_equal(np.bincount(degree)[1:14], 2 * np.arange(1, 14) + 1)
 
 
 def _shifted(mesh: Mesh, shift: float) -> np.ndarray:

@@ -7,6 +7,7 @@ import pytest
 from scipy import sparse
 from scipy.spatial import Delaunay
 
+from idviewer.core._kernels.columns import group_columns
 from idviewer.core.block_lanczos import BLOCK, BlockLanczos, orthonormal
 from idviewer.core.dissection import SEPARATOR, dissect
 from idviewer.core.symmetric_factor import SymmetricFactor
@@ -72,6 +73,37 @@ def test_what_is_not_positive_definite_is_refused(rng):
     matrix = laplacian(edges, np.ones(len(edges)), 200)
     with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
         SymmetricFactor(sparse.csc_array(matrix - 0.5 * sparse.eye_array(200)), points)
+
+
+def test_an_indefinite_matrix_is_solved_and_its_inertia_counted(rng):
+    points, edges = graph(rng, 500)
+    matrix = laplacian(edges, rng.uniform(0.1, 10.0, len(edges)), 500)
+    shifted = sparse.csc_array(matrix - 3.0 * sparse.eye_array(500))
+    factor = SymmetricFactor(shifted, points, definite=False)
+    assert factor.negative == np.count_nonzero(np.linalg.eigvalsh(shifted.toarray()) < 0)
+    sides = rng.standard_normal((500, 3))
+    np.testing.assert_allclose(shifted @ factor.solve(sides), sides, atol=1e-9)
+    assert factor.residual(shifted) < 1e-10
+    assert factor.residual(matrix) > 0.1
+
+
+def test_columns_that_go_together_have_the_same_entries(rng):
+    """Everything below the diagonal of a dense block goes by fours; a path's columns go by pairs at most."""
+    lower = np.tril(rng.random((11, 11)) < 0.4, -1)
+    lower[5:, 4:9] = np.tril(np.ones((11, 11), dtype=bool))[5:, 4:9]
+    matrix = sparse.csc_array((lower | np.eye(11, dtype=bool)).astype(float))
+    matrix.sort_indices()
+    part = np.array([0] * 7 + [1] * 4)
+    widths = group_columns(matrix.indptr, matrix.indices, part)
+    firsts = np.flatnonzero(widths)
+    assert widths.sum() == 11
+    assert widths.max() > 1
+    np.testing.assert_array_equal(np.diff(np.append(firsts, 11)), widths[firsts])
+    for first, width in zip(firsts, widths[firsts], strict=True):
+        for column in range(first + 1, first + width):
+            assert part[column] == part[first]
+            below = set(np.flatnonzero(matrix.toarray()[:, column - 1])) - {column - 1}
+            assert set(np.flatnonzero(matrix.toarray()[:, column])) == below
 
 
 def test_a_nearly_singular_block_becomes_orthonormal_too(rng):

@@ -29,7 +29,7 @@ def cache(tmp_path) -> SpectrumCache:
 
 @pytest.fixture
 def filled(cache) -> SpectrumCache:
-    run_to_end(MESH, QUERY, cache)
+    run_to_end(MESH, QUERY, Pipeline(cache))
     return cache
 
 
@@ -151,14 +151,14 @@ def test_a_remark_is_of_its_shape_alone(filled):
 
 def test_what_takes_no_time_is_not_kept(tmp_path):
     cache = SpectrumCache(tmp_path, worth=60.0)
-    run_to_end(MESH, QUERY, cache)
+    run_to_end(MESH, QUERY, Pipeline(cache))
     assert files(cache) == []
 
 
 def test_damage_is_mended_also_where_it_takes_no_time(filled):
     (path,) = files(filled)
     path.write_text("This is no spectrum.")
-    run_to_end(MESH, QUERY, SpectrumCache(filled.folder, worth=60.0))
+    run_to_end(MESH, QUERY, Pipeline(SpectrumCache(filled.folder, worth=60.0)))
     assert frames(results(filled))[0].remarks == ()
 
 

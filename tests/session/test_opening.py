@@ -125,5 +125,5 @@ def test_damage_is_remarked_once_and_mended(copy):
 
 def test_the_command_line_stops_at_its_last_frame(seen, monkeypatch):
     monkeypatch.setattr(InteriorDistance, "sample_steps", None)
-    frame = run_to_end(MESH, frames(seen[1])[-1].query, seen[0])
+    frame = run_to_end(MESH, frames(seen[1])[-1].query, Pipeline(seen[0]))
     assert frame.exact

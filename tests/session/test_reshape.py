@@ -159,13 +159,16 @@ def test_the_barycentroid_before_counts_only_where_it_is_inside():
     np.testing.assert_allclose(first.source[:2], InteriorDistance(BLOB).barycentroid().point, atol=1e-9)
 
 
-def test_kernels_are_looked_at_once(monkeypatch):
+def test_kernels_are_looked_at_once_when_their_coordinates_are_first_asked_for(monkeypatch):
     looked = []
-    monkeypatch.setattr(pipeline_module, "compile_steps", lambda _dimension: looked.append(1) or iter(()))
+    monkeypatch.setattr(pipeline_module, "compile_steps", lambda *asked: looked.append(asked) or iter(()))
     pipeline = Pipeline()
     for step in range(3):
         list(pipeline.results(FrameRequest(BLOB.with_vertices(moved(0, (0.1 * step, 0.0))), Query())))
-    assert looked == [1]
+    assert looked == [(2, "mean_value")]
+    for coordinates in ("shepard", "mean_value", "shepard"):
+        list(pipeline.results(FrameRequest(BLOB, Query(coordinates=coordinates))))
+    assert looked == [(2, "mean_value"), (2, "shepard")]
 
 
 def test_a_drag_is_recorded_and_replayed(tmp_path):

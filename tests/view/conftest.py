@@ -7,8 +7,13 @@ import os
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from pytestqt.qtbot import QtBot
+    from tests.view.mouse import Mouse
 
 # Before Qt's first look at them.
 os.environ["QT_QPA_PLATFORM"] = "xcb"
@@ -38,6 +43,23 @@ def own_settings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture
+def mouse(qtbot: QtBot) -> Iterator[Mouse]:
+    """The X server's mouse and keyboard."""
+    from tests.view.mouse import Mouse
+
+    mouse = Mouse(qtbot)
+    yield mouse
+    mouse.close()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def seen_again() -> Iterator[None]:
+    """Lets the collector see at the end what the tests of this folder have hidden from it."""
+    yield
+    gc.unfreeze()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     """Remembers whether a test passed: one that failed keeps its windows alive in the traceback."""
@@ -50,23 +72,25 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def no_leaks(request: pytest.FixtureRequest, screen: None) -> Iterator[None]:
     """After each test nothing that it made may live on: no window, interactor, render window or thread."""
+    gc.collect()
+    gc.freeze()  # what lives already is out of the collector's sight: looking through all of it takes seconds
     before = _living()
     yield
     _finish_qt()
     if request.node.stash.get(PASSED, False):
+        gc.collect()
         left = {name for key, name in _living().items() if key not in before}
         if left:
             pytest.fail(f"left behind by the test: {', '.join(sorted(left))}", pytrace=False)
 
 
 def _living() -> dict[int, str]:
-    """What a test must not leave behind, by identity."""
+    """What a test must not leave behind, by identity, as far as the collector sees it."""
     from PySide6.QtWidgets import QApplication
     from pyvistaqt import QtInteractor
     from shiboken6 import getCppPointer
     from vtkmodules.vtkRenderingCore import vtkRenderWindow, vtkRenderWindowInteractor
 
-    gc.collect()
     kinds = (QtInteractor, vtkRenderWindow, vtkRenderWindowInteractor)
     found = [thing for thing in gc.get_objects() if _is(thing, kinds)] + threading.enumerate()
     widgets = QApplication.topLevelWidgets() if QApplication.instance() else []

@@ -34,13 +34,6 @@ from idviewer.view.window import MainWindow
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def mouse(qtbot: QtBot) -> Iterator[Mouse]:
-    mouse = Mouse(qtbot)
-    yield mouse
-    mouse.close()
-
-
 # What a frame costs
 
 SMALL = (620, 600)

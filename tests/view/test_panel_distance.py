@@ -25,7 +25,8 @@ from idviewer.core import (
 )
 from idviewer.session.state import Frame, Query, State
 from idviewer.view.panel import Calls
-from idviewer.view.panel_distance import DistanceGroup, ParameterRow
+from idviewer.view.panel_distance import DistanceGroup
+from idviewer.view.parameter_rows import ParameterRow
 
 LAMBDA_2 = 0.5
 DEFAULT = 0.25

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -35,13 +34,6 @@ from idviewer.view.window import MainWindow
 pytestmark = pytest.mark.slow
 TIP = 0
 """Number of the star's upmost vertex."""
-
-
-@pytest.fixture
-def mouse(qtbot: QtBot) -> Iterator[Mouse]:
-    mouse = Mouse(qtbot)
-    yield mouse
-    mouse.close()
 
 
 @pytest.fixture

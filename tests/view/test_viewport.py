@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +22,6 @@ COMPACT = (660, 460)
 """A window that fits on the screen at twice its size too."""
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def mouse(qtbot: QtBot) -> Iterator[Mouse]:
-    mouse = Mouse(qtbot)
-    yield mouse
-    mouse.close()
 
 
 @pytest.fixture

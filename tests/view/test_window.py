@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -32,13 +31,6 @@ from idviewer.view.status_line import EMPTY_HINT, HINT
 from idviewer.view.window import MainWindow
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def mouse(qtbot: QtBot) -> Iterator[Mouse]:
-    mouse = Mouse(qtbot)
-    yield mouse
-    mouse.close()
 
 
 @pytest.fixture

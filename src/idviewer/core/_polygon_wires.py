@@ -1,15 +1,11 @@
-"""Distances along a polygon's boundary, whose loops are joined by wires."""
+"""The wires that join a polygon's loops, and resistances along both."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from idviewer.core.shape import Floats, Ints
-
-Apart = Callable[[Floats, float], Floats]
 
 
 def wires_between(vertices: Floats, loops: tuple[Ints, ...]) -> Ints:
@@ -36,14 +32,13 @@ def wires_between(vertices: Floats, loops: tuple[Ints, ...]) -> Ints:
     return np.array(wires, dtype=np.int64).reshape(-1, 2)
 
 
-def all_pairs(loops: tuple[Ints, ...], lengths: Floats, wires: Ints, apart: Apart) -> Floats:
-    """A distance between all vertices that adds up along wires, every one of which is a bridge.
+def resistances_between(loops: tuple[Ints, ...], lengths: Floats, wires: Floats) -> Floats:
+    """Effective resistances between all vertices. They add up along wires, each of which is a bridge.
 
     Args:
         loops: vertex numbers.
         lengths: (n,) of the edges, each from its vertex on.
         wires: (h, 3) ends and length; see `wires_between` for their order.
-        apart: from lengths along a loop, and the loop's whole length, to distances on the loop.
 
     Returns:
         (n, n) symmetric.
@@ -52,7 +47,7 @@ def all_pairs(loops: tuple[Ints, ...], lengths: Floats, wires: Ints, apart: Apar
     for loop in loops:
         places = np.concatenate([[0.0], np.cumsum(lengths[loop])])
         along = np.abs(places[:-1, None] - places[:-1])
-        result[np.ix_(loop, loop)] = apart(along, float(places[-1]))
+        result[np.ix_(loop, loop)] = along * (1.0 - along / places[-1])  # two ways round, side by side
     reached = loops[0]
     number = np.empty(len(lengths), dtype=np.int64)
     for at, loop in enumerate(loops):

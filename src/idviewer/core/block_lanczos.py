@@ -1,4 +1,4 @@
-"""Block Lanczos with full reorthogonalisation, for the smallest eigenvalues of a symmetric matrix."""
+"""Block Lanczos with full reorthogonalisation, for the eigenvalues of a symmetric matrix next to a shift."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm
+from scipy.linalg.blas import dgemm, dtrsm
 
 from idviewer.core._kernels import LANES
 from idviewer.core.symmetric_factor import SymmetricFactor
@@ -21,16 +21,19 @@ point group, the icosahedron's)."""
 CHUNK = 8 * BLOCK
 """Vectors of the basis that are kept in one array, so that it grows without being copied."""
 
+ROWS = 2048
+"""Rows of a product that are taken at a time, so that they stay in the processor's cache."""
+
 
 class BlockLanczos:
-    """A Krylov space of (A + shift)^-1, whose largest eigenvalues belong to the smallest of A.
+    """A Krylov space of (A - shift)^-1, whose largest eigenvalues belong to those of A next to the shift.
 
     One known eigenvector is left out from the start. A second pass of Gram-Schmidt keeps the basis
     orthonormal to rounding. Source: Golub and Underwood 1977, "The block Lanczos method for computing
     eigenvalues".
 
     Args:
-        factor: of A + shift.
+        factor: of A - shift.
         shift: see above.
         known: (n,) the eigenvector to leave out.
     """
@@ -76,21 +79,27 @@ class BlockLanczos:
         yield
 
     def ritz_pairs(self) -> tuple[Floats, Floats, Floats]:
-        """Approximate eigenvalues of A (ascending), their coefficients (size, k), and relative residuals."""
+        """Approximate positive eigenvalues of A, their coefficients (size, k), and relative residuals.
+
+        They are in ascending order. Those of A above the shift cannot lie above their approximations.
+        """
         thetas, coefficients = np.linalg.eigh(0.5 * (self._projected + self._projected.T))
-        thetas, coefficients = thetas[::-1], coefficients[:, ::-1]
-        residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:], axis=0) / np.abs(thetas)
-        positive = thetas > 0.0
-        return 1.0 / thetas[positive] - self._shift, coefficients[:, positive], residuals[positive]
+        with np.errstate(divide="ignore"):
+            values = self._shift + 1.0 / thetas
+        order = np.argsort(values)
+        order = order[np.searchsorted(values[order], 0.0, side="right") :]
+        order = order[np.isfinite(values[order])]
+        residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:, order], axis=0)
+        return values[order], coefficients[:, order], residuals / np.abs(thetas[order])
 
     def vectors(self, coefficients: Floats) -> Floats:
         """Vectors (n, k) of the space from their coefficients (size, k)."""
-        result = np.zeros((len(self._constant), coefficients.shape[1]), order="F")
-        for start, chunk in zip(range(0, self.size, CHUNK), self._chunks, strict=True):
-            some = coefficients[start : start + CHUNK]
-            dgemm(1.0, chunk[:, : len(some)], some, beta=1.0, c=result, overwrite_c=True)
-        vectors = np.empty(result.shape)
-        vectors[self._factor.order] = result
+        vectors = np.empty((len(self._constant), coefficients.shape[1]))
+        for start in range(0, len(vectors), ROWS):
+            rows = slice(start, start + ROWS)
+            parts = zip(range(0, self.size, CHUNK), self._chunks, strict=True)
+            sums = sum(chunk[rows, : self.size - at] @ coefficients[at : at + CHUNK] for at, chunk in parts)
+            vectors[self._factor.order[rows]] = sums
         return vectors
 
     def _newest(self) -> Floats:
@@ -108,11 +117,12 @@ def orthonormal(block: Floats) -> tuple[Floats, Floats]:
     >>> bool(abs(q.T @ q - np.eye(3)).max() < 1e-14)
     True
     """
-    result, total = np.asfortranarray(block), np.eye(block.shape[1])
+    result, total = np.array(block, order="F"), np.eye(block.shape[1])
     try:
         for _ in range(2):
             upper = np.linalg.cholesky(dgemm(1.0, result, result, trans_a=True)).T
-            result, total = dgemm(1.0, result, np.linalg.inv(upper)), upper @ total
+            dtrsm(1.0, upper, result, side=1, overwrite_b=True)
+            total = upper @ total
     except np.linalg.LinAlgError:
         result, total = np.linalg.qr(block)
         result = np.asfortranarray(result)

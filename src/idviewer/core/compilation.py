@@ -11,33 +11,45 @@ from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES, patches
 from idviewer.core._kernels.ears import cut_ears
 from idviewer.core._kernels.surface import patched
+from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
-from idviewer.core.coordinates.maximum_entropy import MaximumEntropyCoordinates
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.mesh import Mesh
 from idviewer.core.polygon import Polygon
+from idviewer.core.shape import Shape
+from idviewer.core.simplification import simplified
 from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
 
 
-def compile_steps(dimension: int) -> Generator[float, None, None]:
-    """Compile every kernel that shapes of a dimension need, or read it from numba's cache.
+def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[float, None, None]:
+    """Compile every kernel that shapes of a dimension need with these coordinates, or read it from a cache.
 
     Yields the share done between them.
+
+    Args:
+        dimension: 2 or 3.
+        coordinates: their name; what all kinds need is always compiled.
+
+    Raises:
+        ValueError: there are no such coordinates, or they do not work in this dimension.
     """
-    calls = _flat_calls() if dimension == 2 else _spatial_calls()
+    shape: Shape = _triangle() if dimension == 2 else _spindle(LANES)
+    kind = coordinates_of(shape, coordinates)
+    calls = [
+        *(_flat_calls() if dimension == 2 else _spatial_calls()),
+        lambda: kind.weights(np.full((1, dimension), 0.1)),
+    ]
     for done, call in enumerate(calls):
         call()
         yield (done + 1) / len(calls)
 
 
 def _flat_calls() -> list[Callable[[], object]]:
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    triangle = Polygon(corners)
+    triangle = _triangle()
     return [
-        lambda: cut_ears(corners.copy(), np.array([0, 3])),
+        lambda: cut_ears(triangle.vertices.copy(), np.array([0, 3])),
         lambda: mean_value_on(triangle).weights(np.full((1, 2), 0.2)),
-        lambda: MaximumEntropyCoordinates(triangle).weights(np.full((1, 2), 0.2)),
     ]
 
 
@@ -61,11 +73,15 @@ def _spatial_calls() -> list[Callable[[], object]]:
             (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
-        lambda: MaximumEntropyCoordinates(spindle).weights(np.full((1, 3), 0.1)),
+        lambda: simplified(spindle, len(corners) - 1),
         lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]
+
+
+def _triangle() -> Polygon:
+    return Polygon([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
 def _spindle(sides: int) -> Mesh:

@@ -21,8 +21,8 @@ from idviewer.core.steps import beside
 
 Floats = NDArray[np.float64]
 
-AT_A_TIME = 16
-"""Right-hand sides between two checkpoints."""
+AT_A_TIME = 4
+"""Right-hand sides between two checkpoints; SuperLU takes longer for each of them from eight on."""
 
 BLOCK = 96
 """Columns of the inverse factor between two checkpoints."""

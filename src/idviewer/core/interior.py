@@ -25,9 +25,8 @@ Floats = NDArray[np.float64]
 OF_A_POINT = 0.5
 """Part of a distance's error that each of its ends may cause."""
 
-WIDE, FEWEST, NUMBERS_AT_A_TIME = 256, 16, 2**21
-"""Columns from which on a basis is sampled in portions, the fewest points of one, and how many weights there
-are between two checkpoints."""
+NUMBERS_AT_A_TIME = 2**21
+"""Weights between two checkpoints."""
 
 
 class InteriorDistance(EmbeddedBoundary):
@@ -109,7 +108,7 @@ class InteriorDistance(EmbeddedBoundary):
             return InteriorDistance(self.shape, distance, self.coordinates.name, self.rtol, self._spectrum)
         other = copy(self)
         other.distance_kind = distance
-        for name in ("scale", "_form", "_own_weights"):
+        for name in ("_form", "_own_weights"):
             other.__dict__.pop(name, None)
         other.scale = distance.scale(self._spectrum)
         return other
@@ -155,21 +154,8 @@ class InteriorDistance(EmbeddedBoundary):
         points, rtol = as_points(points, self.shape.dimension), self.rtol if rtol is None else rtol
         approximation = None if rtol == 0.0 else self._approximation(weights)
         if approximation is None:
-            return (yield from self._exact_steps(points))
+            return (yield from self.coordinates.interpolate_steps(points, self.basis))
         return (yield from approximation.interpolate_steps(points, OF_A_POINT * rtol))
-
-    def _exact_steps(self, points: Floats) -> Generator[float, None, Floats]:
-        """The basis at points; a wide one in portions, so that no step takes long."""
-        basis = self.basis
-        if basis.shape[1] <= WIDE:
-            return (yield from self.coordinates.interpolate_steps(points, basis))
-        result = np.empty((len(points), basis.shape[1]))
-        size = max(FEWEST, NUMBERS_AT_A_TIME * 32 // basis.size)
-        for start in range(0, len(points), size):
-            part = slice(start, start + size)
-            result[part] = finish(self.coordinates.interpolate_steps(points[part], basis))
-            yield min(1.0, (start + size) / len(points))
-        return result
 
     def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:
         """What an error of each column of the basis counts, (k,), in largest boundary distances.
@@ -203,8 +189,7 @@ class InteriorDistance(EmbeddedBoundary):
         """
         first, second = as_pairs(p, q, self.shape.dimension)
         if self._form is not None:
-            # The distance is symmetric: go through the longer list in portions, the other may be one point.
-            few, many = sorted((first, second), key=len)
+            few, many = sorted((first, second), key=len)  # symmetric, so the longer list goes in portions
             ends = (lambda part: few) if len(few) == 1 else (lambda part: few[part])
             return finish(self._form_steps(many, lambda part: self.coordinates.weights(ends(part))))
         return np.linalg.norm(self.embed(first) - self.embed(second), axis=1)
@@ -281,8 +266,7 @@ class InteriorDistance(EmbeddedBoundary):
         if self._form is not None and self._basis is None:
             mean = self._masses / self._masses.sum()
             return (yield from self._form_steps(points, lambda part: mean))
-        samples = yield from self.sample_steps(points)
-        return np.linalg.norm(samples * self.scale - self.centre, axis=1)
+        return np.linalg.norm((yield from self.sample_steps(points)) * self.scale - self.centre, axis=1)
 
     def negativity(self, points: ArrayLike) -> Floats:
         """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable
 from pathlib import Path
 
 from idviewer.core._examination import examine
 from idviewer.core._polygons import Polygons
 from idviewer.core._readers import UnreadableError
+from idviewer.core._readers.files import bytes_of, told
 from idviewer.core._readers.gltf import read_glb, read_gltf
 from idviewer.core._readers.obj import read_obj
 from idviewer.core._readers.off import read_off
@@ -63,31 +63,11 @@ def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
 
 def _polygons(path: Path) -> Polygons:
     """What the file holds, unchecked."""
-    suffix = path.suffix.lower()
     try:
-        _refuse(path.stat().st_mode, suffix)
-        data = path.read_bytes()
-        if not data.strip():
-            raise UnreadableError("the file is empty; export it again")
+        data = bytes_of(path, "mesh", "cannot be read", READABLE_SUFFIXES)
     except UnreadableError as error:
         raise MeshError(f"{told(path)}: {error}") from error
-    except FileNotFoundError as error:
-        raise MeshError(f"{told(path)}: there is no such file") from error
-    except (OSError, ValueError) as error:  # a name that no file can have is a ValueError
-        cause = getattr(error, "strerror", None) or error
-        raise MeshError(f"{told(path)}: the file cannot be read ({cause})") from error
-    return _parsed(path, suffix, data)
-
-
-def _refuse(mode: int, suffix: str) -> None:
-    """Raise UnreadableError for what need not be opened at all."""
-    if stat.S_ISDIR(mode):
-        raise UnreadableError("this is a folder; name a mesh file in it")
-    if not stat.S_ISREG(mode):
-        raise UnreadableError("this is no ordinary file")
-    if suffix not in _READERS:
-        what = f"'{suffix}' files cannot be read" if suffix else "a suffix must tell the file's format"
-        raise UnreadableError(f"{what}; save it as one of {', '.join(_READERS)}")
+    return _parsed(path, path.suffix.lower(), data)
 
 
 def _parsed(path: Path, suffix: str, data: bytes) -> Polygons:
@@ -99,8 +79,3 @@ def _parsed(path: Path, suffix: str, data: bytes) -> Polygons:
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line
         cause = told(f"{type(error).__name__}: {error}")[:100]
         raise MeshError(f"{told(path)}: not a readable {kind} file ({cause}); export it again") from error
-
-
-def told(thing: object) -> str:
-    """A path or a cause on one line, whatever it is made of."""
-    return "".join(letter if letter.isprintable() else "?" for letter in str(thing))

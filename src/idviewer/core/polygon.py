@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core import _polygon_checks as checks
 from idviewer.core._polygon_checks import PolygonError
 from idviewer.core._polygon_resampling import resampled_loops
-from idviewer.core._polygon_wires import Apart, all_pairs, wires_between
+from idviewer.core._polygon_wires import resistances_between, wires_between
 from idviewer.core.shape import Floats, Ints, as_points
 
 __all__ = ["Polygon", "PolygonError"]
@@ -246,21 +246,14 @@ class Polygon:
         sides = self.vertices[self.wires[:, 1]] - self.vertices[self.wires[:, 0]]
         return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
 
-    def geodesics(self) -> Floats:
-        """(n, n) lengths of the shortest paths between vertices along loops and wires."""
-        return self._all_pairs(lambda along, whole: np.minimum(along, whole - along))
-
     def resistances(self) -> Floats:
         """(n, n) effective resistances between vertices; edges and wires resist as much as they are long.
 
         The resistance between i and j is (e_i - e_j)^T L^+ (e_i - e_j) with the polygon's Laplacian L: the
         commute time distance squared, in closed form.
         """
-        return self._all_pairs(lambda along, whole: along * (1.0 - along / whole))
-
-    def _all_pairs(self, apart: Apart) -> Floats:
         wires = np.column_stack([self.wires, self.wire_lengths])
-        return all_pairs(self.loops, self.lengths, wires, apart)
+        return resistances_between(self.loops, self.lengths, wires)
 
 
 def _frozen(array: NDArray) -> NDArray:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import stat
 from dataclasses import replace
 from pathlib import Path
 from uuid import uuid4
 
 from idviewer.core._readers import UnreadableError
+from idviewer.core._readers.files import bytes_of, told, wrong_suffix
 from idviewer.core._readers.outlines import read_csv, read_json
-from idviewer.core.io import READABLE_SUFFIXES, read_mesh, told
+from idviewer.core.io import READABLE_SUFFIXES, read_mesh
 from idviewer.core.mesh import Mesh
 from idviewer.core.polygon import Polygon, PolygonError
 from idviewer.core.shape import Floats, ShapeError
@@ -77,9 +77,8 @@ def read_shape(
             f"{told(path)}: only polygons are sampled along their boundary; leave the samples out"
         )
     if suffix not in READABLE_SUFFIXES and path.is_file():
-        what = f"'{told(suffix)}' files cannot be read" if suffix else "a suffix must tell the file's format"
-        readable = ", ".join((*READABLE_SUFFIXES, *POLYGON_SUFFIXES))
-        raise ShapeError(f"{told(path)}: {what}; save it as one of {readable}")
+        every = (*READABLE_SUFFIXES, *POLYGON_SUFFIXES)
+        raise ShapeError(f"{told(path)}: {wrong_suffix(path, 'cannot be read', every)}")
     return read_mesh(path, component)
 
 
@@ -113,32 +112,12 @@ def _loops(path: Path, element: str | None) -> list[Floats]:
     """What the file holds, unchecked."""
     suffix = path.suffix.lower()
     try:
-        _refuse(path.stat().st_mode, suffix, element)
-        data = path.read_bytes()
-        if not data.strip():
-            raise UnreadableError("the file is empty; export it again")
+        data = bytes_of(path, "polygon", "hold no polygon", POLYGON_SUFFIXES)
     except UnreadableError as error:
         raise PolygonError(str(error)) from error
-    except FileNotFoundError as error:
-        raise PolygonError("there is no such file") from error
-    except (OSError, ValueError) as error:  # a name that no file can have is a ValueError
-        raise PolygonError(
-            f"the file cannot be read ({getattr(error, 'strerror', None) or error})"
-        ) from error
-    return _parsed(suffix, data, element)
-
-
-def _refuse(mode: int, suffix: str, element: str | None) -> None:
-    """Raise UnreadableError for what need not be opened at all."""
-    if stat.S_ISDIR(mode):
-        raise UnreadableError("this is a folder; name a polygon file in it")
-    if not stat.S_ISREG(mode):
-        raise UnreadableError("this is no ordinary file")
-    if suffix not in POLYGON_SUFFIXES:
-        what = f"'{told(suffix)}' files hold no polygon" if suffix else "a suffix must tell the file's format"
-        raise UnreadableError(f"{what}; save it as one of {', '.join(POLYGON_SUFFIXES)}")
     if element is not None and suffix != ".svg":
-        raise UnreadableError("only SVG drawings have elements; leave the element out")
+        raise PolygonError("only SVG drawings have elements; leave the element out")
+    return _parsed(suffix, data, element)
 
 
 def _parsed(suffix: str, data: bytes, element: str | None) -> list[Floats]:

@@ -8,7 +8,6 @@ import numpy as np
 
 from idviewer.core.plane import Plane
 from idviewer.core.polygon import Polygon
-from idviewer.core.shape import Floats
 from idviewer.core.slices import Section
 
 UPWARD = (0.0, 0.0, 1.0)
@@ -58,12 +57,3 @@ def _nearest(low: float, high: float) -> float:
     if low > high - low:
         return low
     return high if -high > high - low else 0.0
-
-
-def spatial(points: Floats) -> Floats:
-    """Points (p, 2) of the plane z = 0 in space, (p, 3).
-
-    >>> spatial(np.array([[1.0, 2.0]])).tolist()
-    [[1.0, 2.0, 0.0]]
-    """
-    return np.concatenate([points, np.zeros((len(points), 1))], axis=1)

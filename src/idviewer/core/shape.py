@@ -70,6 +70,16 @@ def as_points(points: ArrayLike, dimension: int) -> Floats:
     return array
 
 
+def in_space(points: ArrayLike) -> Floats:
+    """Points (p, 3) as they are; points of a polygon, (p, 2), in the plane z = 0.
+
+    >>> in_space([[1.0, 2.0]]).tolist()
+    [[1.0, 2.0, 0.0]]
+    """
+    array = np.asarray(points, dtype=np.float64)
+    return np.pad(array, ((0, 0), (0, 1))) if array.shape[1] == 2 else array
+
+
 def as_pairs(p: ArrayLike, q: ArrayLike, dimension: int) -> tuple[Floats, Floats]:
     """Two lists of points, (p, dimension) each, or (1, dimension); a ValueError names what does not match.
 

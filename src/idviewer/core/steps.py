@@ -26,6 +26,20 @@ def finish(steps: Generator[Any, None, Result]) -> Result:
             return stop.value
 
 
+def without_shares(steps: Generator[Any, None, Result]) -> Generator[None, None, Result]:
+    """Work that is a small part of something else: its checkpoints, but not the share of it that is done.
+
+    >>> list(without_shares(share for share in (0.5, 1.0)))
+    [None, None]
+    """
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            return stop.value
+        yield
+
+
 CHECKPOINT = 0.005
 """Seconds between two checkpoints while something works beside."""
 

@@ -1,4 +1,4 @@
-"""A sparse symmetric positive definite matrix, factored once and solved for many right-hand sides."""
+"""A sparse symmetric matrix, factored once and solved for many right-hand sides."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from idviewer.core._kernels import LANES, thread_count
+from idviewer.core._kernels.columns import below_diagonal, group_columns
 from idviewer.core._kernels.triangular import Columns, solve
 from idviewer.core.dissection import SEPARATOR, dissect
 
@@ -20,20 +21,23 @@ Ints = NDArray[np.int64]
 class SymmetricFactor:
     """A = L D L^T in an order from nested dissection: few entries, and halves for threads side by side.
 
-    The factor is SuperLU's; the solves are ours, as SuperLU takes one right-hand side after another.
+    The factor is SuperLU's; the solves are ours, as SuperLU takes one right-hand side after another. There
+    is no pivoting: by bad luck, an indefinite matrix loses digits. `residual` tells.
 
     Args:
-        matrix: (n, n) symmetric positive definite.
+        matrix: (n, n) symmetric.
         points: (n, d) where the unknowns are.
+        definite: the matrix has to be positive definite.
 
     Attributes:
         order: (n,) the unknowns in the order of the factor's rows.
+        negative: how many eigenvalues of the matrix are negative (Sylvester's law of inertia).
 
     Raises:
-        numpy.linalg.LinAlgError: the matrix is not positive definite in floating point.
+        numpy.linalg.LinAlgError: the matrix is singular, or not definite, in floating point.
     """
 
-    def __init__(self, matrix: sparse.csc_array, points: Floats) -> None:
+    def __init__(self, matrix: sparse.csc_array, points: Floats, definite: bool = True) -> None:
         upper = sparse.coo_array(sparse.triu(matrix, 1))
         order, path = dissect(points, np.stack([upper.row, upper.col], axis=1))
         permuted = sparse.csc_array(matrix[order][:, order])
@@ -44,12 +48,17 @@ class SymmetricFactor:
         except RuntimeError as error:
             raise np.linalg.LinAlgError(f"the matrix cannot be factored: {error}") from error
         over = 1.0 / factor.U.diagonal()
-        if not (np.array_equal(factor.perm_r, factor.perm_c) and np.all(over > 0.0)):
+        self.negative = int(np.count_nonzero(over < 0.0))
+        if definite and not np.all(over > 0.0):
             raise np.linalg.LinAlgError("the matrix is not positive definite in floating point")
+        if not (np.array_equal(factor.perm_r, factor.perm_c) and np.isfinite(over).all()):
+            raise np.linalg.LinAlgError("the matrix cannot be factored without pivoting")
         # SuperLU reorders columns within the order it was given, by the elimination tree.
         self.order: Ints = order[np.argsort(factor.perm_c)]
         levels = min(path.shape[1], math.ceil(math.log2(max(thread_count(), 2))))
         self._columns = _cut(factor.L, over, path[self.order, :levels])
+        copies = (len(self._columns.first_group) - 1) * len(self._columns.separating)
+        self._room = np.zeros((len(order) + copies, LANES))
 
     def solve(self, sides: Floats) -> Floats:
         """A^-1 b of right-hand sides (n, b)."""
@@ -59,18 +68,24 @@ class SymmetricFactor:
             result[self.order, some] = self.solve_ordered(sides[self.order, some])
         return result
 
+    def residual(self, matrix: sparse.csc_array) -> float:
+        """|A x - b| / |b| for a random b."""
+        side = np.random.default_rng(0).standard_normal((len(self.order), 1))
+        return float(np.linalg.norm(matrix @ self.solve(side) - side) / np.linalg.norm(side))
+
     def solve_ordered(self, sides: Floats) -> Floats:
         """The same of up to LANES right-hand sides whose rows, like those of the result, are in `order`."""
         count, width = sides.shape
-        copies = (len(self._columns.first_column) - 1) * len(self._columns.separating)
-        room = np.zeros((count + copies, LANES))
-        room[:count, :width] = sides
-        solve(*self._columns, room)
-        return np.asfortranarray(room[:count, :width])
+        self._room[:count, :width] = sides
+        self._room[:count, width:] = 0.0
+        self._room[count:] = 0.0
+        solve(*self._columns, self._room)
+        return np.asfortranarray(self._room[:count, :width])
 
 
 def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Columns:
     """The factor's columns in parts, from the halves (n, levels) that its rows are in."""
+    lower.sort_indices()
     levels, count = path.shape[1], len(over)
     parts = 1 << levels
     separates = (path == SEPARATOR).any(axis=1)
@@ -78,17 +93,10 @@ def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Colum
     separating = np.flatnonzero(separates)
     number = np.zeros(count, dtype=np.int64)
     number[separating] = np.arange(len(separating))
-    column = np.repeat(np.arange(count), np.diff(lower.indptr))
-    below = lower.indices != column
-    column, rows, values = column[below], lower.indices[below].astype(np.int64), lower.data[below]
-    crossing = separates[rows] & ~separates[column]
-    rows[crossing] = count + part[column[crossing]] * len(separating) + number[rows[crossing]]
-    return Columns(
-        np.argsort(part, kind="stable"),
-        np.searchsorted(np.sort(part), np.arange(parts + 1)),
-        np.concatenate([[0], np.cumsum(np.bincount(column, minlength=count))]),
-        rows.astype(np.int32),
-        values,
-        over,
-        separating,
-    )
+    widths = group_columns(lower.indptr, lower.indices, part)
+    groups = np.flatnonzero(widths)
+    groups = groups[np.argsort(part[groups], kind="stable")]
+    first_group = np.searchsorted(part[groups], np.arange(parts + 1))
+    starts = lower.indptr - np.arange(count + 1)
+    rows, values = below_diagonal(lower.indptr, lower.indices, lower.data, part, number)
+    return Columns(groups, widths[groups], first_group, starts, rows, values, over, separating)

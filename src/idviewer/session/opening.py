@@ -90,11 +90,11 @@ def kind_steps(query: Query, spectrum: Spectrum) -> Generator[float, None, dict[
     }
 
 
-def default_plane(mesh: Shape) -> Plane:
-    """The plane through the middle of a mesh's bounding box, across its shortest side: the broadest view.
+def default_plane(shape: Shape) -> Plane:
+    """The plane through the middle of a shape's bounding box, across its shortest side: the broadest view.
 
     Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
     """
-    axis = list(AXES)[int(np.argmin(np.ptp(mesh.bounds, axis=0)))]
-    plane = Plane.along(axis, 0.5, mesh.bounds)
+    axis = list(AXES)[int(np.argmin(np.ptp(shape.bounds, axis=0)))]
+    plane = Plane.along(axis, 0.5, shape.bounds)
     return Plane(plane.origin, (0.0, -1.0, 0.0)) if axis == "y" else plane

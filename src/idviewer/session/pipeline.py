@@ -59,7 +59,7 @@ class Pipeline:
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
-        self._compiled: set[int] = set()
+        self._compiled: set[tuple[int, str]] = set()
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -93,6 +93,9 @@ class Pipeline:
             or prepared.lacks_eigenpairs(query.distance)
         ):
             prepared = yield from self._prepare(request)
+        if prepared.opened is None:  # otherwise there is something to show first
+            # Others than those it was prepared with.
+            yield from self._compile(query.coordinates, prepared.shape)
         yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
         solver = prepared.sampled(query).solver
         modes = len(solver.spectrum.values) if query.distance.spectral else 0
@@ -105,25 +108,17 @@ class Pipeline:
         yield from self._refined(prepared, query)
         yield from self._keep_opening(prepared, query)
         # After a first view that was kept there is nothing yet to sample others with.
-        yield from self._compile(request.shape)
+        yield from self._compile(query.coordinates, request.shape)
         yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps())
 
     def _refined(self, prepared: Prepared, query: Query) -> Results:
         """The frames of a query whose shape is prepared."""
         framing = Framing(prepared, query)
         if not framing.is_there:
-            yield from self._compile(prepared.shape)
+            yield from self._compile(query.coordinates, prepared.shape)
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
-
-    def _compile(self, shape: Shape) -> Generator[Progress, None, None]:
-        """Has kernels compiled or loaded, once."""
-        if shape.dimension not in self._compiled:
-            yield Progress(COMPILING)
-            for share in compile_steps(shape.dimension):
-                yield Progress(COMPILING, share)
-            self._compiled.add(shape.dimension)
 
     def _keep_opening(self, prepared: Prepared, query: Query) -> Generator[None, None, None]:
         """Writes what a first view shows for the next run of the program."""
@@ -131,6 +126,15 @@ class Pipeline:
         opening = prepared.opening(query)
         if opening is not None and spectrum is not None:
             yield from self._eigenpairs.keep_opening_steps(prepared.shape, spectrum, query, opening)
+
+    def _compile(self, coordinates: str, shape: Shape) -> Generator[Progress, None, None]:
+        """The kernels that these coordinates need on such shapes, if that was not done yet."""
+        key = shape.dimension, coordinates
+        if key not in self._compiled:
+            yield Progress(COMPILING)
+            for share in compile_steps(*key):
+                yield Progress(COMPILING, share)
+            self._compiled.add(key)
 
     def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
@@ -158,7 +162,7 @@ class Pipeline:
         if spectrum is not None:
             opening = yield from self._eigenpairs.opening_steps(shape, spectrum, query)
         if opening is None:
-            yield from self._compile(shape)
+            yield from self._compile(query.coordinates, shape)
         if query.distance.spectral and spectrum is None:
             spectrum = yield from self._eigenpairs.compute_steps(shape, query.distance)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
@@ -231,20 +235,20 @@ def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Ge
         yield Progress(stage, share)
 
 
-def run_to_end(shape: Shape, query: Query, cache: SpectrumCache | None = None) -> Frame:
+def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> Frame:
     """The finest, exact frame of a query, computed in this thread.
 
     Args:
-        shape: the shape.
+        shape: a mesh or a polygon.
         query: what to compute.
-        cache: where eigenpairs are kept; None for nowhere.
+        pipeline: one that may know something of the shape already; a new one by default.
 
     Raises:
         ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
         QueryError: the source lies outside the shape.
     """
     last: Frame | None = None
-    for result in Pipeline(cache).results(FrameRequest(shape, query)):
+    for result in (pipeline or Pipeline()).results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if isinstance(result, Frame):

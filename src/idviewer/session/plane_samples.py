@@ -57,7 +57,7 @@ class SampledSlice:
         cloud: the basis at the points.
         probed_error: (q, k) sampled minus interpolated basis at a few points; empty where every row is
             sampled.
-        rtol: tolerance of the samples, in largest distances on the mesh; 0 where they are exact.
+        rtol: tolerance of the samples, in largest distances on the shape; 0 where they are exact.
         final: whether there is no finer level.
     """
 

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from idviewer.core import Coordinates, Distance, InteriorDistance, Plane, Spectrum
 from idviewer.core.barycentroid import Barycentroid
+from idviewer.core.shape import in_space
 from idviewer.core.steps import finish
 from idviewer.session.cloud import Reach
 from idviewer.session.opening import Opening
 from idviewer.session.plane_samples import PlaneSamples
-from idviewer.session.sampler import Sampler, in_space
+from idviewer.session.sampler import Sampler
 from idviewer.session.state import Point, Query, QueryError
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core import DISTANCES, Distance, InteriorDistance
 from idviewer.core.distances import Number, parameters_of
-from idviewer.core.polygon_section import spatial
+from idviewer.core.shape import in_space
 from idviewer.session.memory import give_back
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ ENOUGH = 200
 """So many points of an outline tell how large the distances on a slice are."""
 
 FINEST = 2e-5
-"""The smallest tolerance there is a tree for, in largest distances on the mesh."""
+"""The smallest tolerance there is a tree for, in largest distances on the shape."""
 
 
 class Sampler:
@@ -111,16 +111,6 @@ class Sampler:
         """How far the images of rows lie from their mean, for each of the common distances."""
         off = rows - rows.mean(axis=0)
         return np.sqrt(np.max(off**2 @ self._scales**2, axis=0))
-
-
-def in_space(points: ArrayLike) -> Floats:
-    """Points (p, 3) as they are; points of a polygon, (p, 2), in the plane z = 0.
-
-    >>> in_space([[1.0, 2.0]]).tolist()
-    [[1.0, 2.0, 0.0]]
-    """
-    points = np.asarray(points, dtype=np.float64)
-    return spatial(points) if points.shape[1] == 2 else points
 
 
 def _can_approximate(solver: InteriorDistance) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.rays import Ray
-from idviewer.view.flat import in_space
+from idviewer.core.shape import in_space
 
 Vector = NDArray[np.float64]
 View = Literal["front", "back", "left", "right", "top", "bottom"]

@@ -26,8 +26,9 @@ from PySide6.QtWidgets import (
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.colormaps import COLORMAPS
 from idviewer.view.flat import is_flat
-from idviewer.view.panel_distance import DistanceGroup, choice
+from idviewer.view.panel_distance import DistanceGroup
 from idviewer.view.panel_planes import PlanesGroup, tidy
+from idviewer.view.parameter_rows import choice
 
 MOST_ISOLINES = 200
 

@@ -13,9 +13,7 @@ from idviewer.core.distances import File, Formula, missing
 from idviewer.session.state import Frame, State
 from idviewer.view.flat import is_flat
 from idviewer.view.panel_coordinates import CoordinatesRow, fit
-from idviewer.view.parameter_rows import ParameterRow, Row, choice, row_for
-
-__all__ = ["DistanceGroup", "ParameterRow", "choice"]
+from idviewer.view.parameter_rows import Row, choice, row_for
 
 
 class _Calls(Protocol):
@@ -35,7 +33,7 @@ class DistanceGroup(QGroupBox):
         self._calls = calls
         self._distance: Distance = State().query.distance
         self._waiting: Distance | None = None
-        self._mesh: Shape | None = None
+        self._shape: Shape | None = None
         self._lambda_2: float | None = None
         self._last: dict[str, Distance] = {}
         self.kind = choice((name, kind.title) for name, kind in DISTANCES.items())
@@ -52,7 +50,7 @@ class DistanceGroup(QGroupBox):
 
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state; frame tells the first eigenvalue, by which parameters are measured."""
-        if state.shape is not self._mesh:
+        if state.shape is not self._shape:
             self._show_shape(state.shape, frame)
         if state.query.distance != self._distance:
             self._waiting = None
@@ -69,9 +67,9 @@ class DistanceGroup(QGroupBox):
         if frame is None or not is_flat(frame.shape):  # else the same polygon with its vertices moved
             self._last.clear()
             self._waiting = None
-        if shape is not None and (self._mesh is None or self._mesh.dimension != shape.dimension):
+        if shape is not None and (self._shape is None or self._shape.dimension != shape.dimension):
             fit(self.kind, DISTANCES, shape.dimension)
-        self._mesh = shape
+        self._shape = shape
 
     def _show(self, distance: Distance) -> None:
         self.kind.setCurrentIndex(self.kind.findData(distance.name))
@@ -82,7 +80,7 @@ class DistanceGroup(QGroupBox):
                 row.show_value(getattr(distance, parameter), self._lambda_2)
 
     def _choose(self) -> None:
-        """A kind with the parameters that it had last on this mesh."""
+        """A kind with the parameters that it had last on this shape."""
         name = self.kind.currentData()
         self._take(self._last.get(name) or DISTANCES[name]())
 

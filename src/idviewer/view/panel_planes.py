@@ -43,23 +43,23 @@ def axis_of(plane: Plane) -> str | None:
     return next(aligned, None)
 
 
-def extent(mesh: Shape, plane: Plane) -> tuple[float, float]:
+def extent(shape: Shape, plane: Plane) -> tuple[float, float]:
     """The shape's lowest and highest point over the plane, measured along its normal."""
-    heights = plane.height(mesh.vertices)
+    heights = plane.height(shape.vertices)
     return float(heights.min()), float(heights.max())
 
 
-def turned(mesh: Shape, plane: Plane, normal: tuple[float, float, float]) -> Plane:
+def turned(shape: Shape, plane: Plane, normal: tuple[float, float, float]) -> Plane:
     """The plane with another normal through its origin, or through the middle if that misses the shape."""
     new = Plane(plane.origin, normal)
-    low, high = extent(mesh, new)
+    low, high = extent(shape, new)
     return new if low < 0 < high else new.moved((low + high) / 2)
 
 
-def another(mesh: Shape, planes: tuple[Plane, ...]) -> Plane:
+def another(shape: Shape, planes: tuple[Plane, ...]) -> Plane:
     """A plane through the middle, on the axis that the planes so far are least aligned with."""
     taken = np.sum([np.abs(plane.normal) for plane in planes], axis=0) if planes else np.zeros(3)
-    return Plane.along("xyz"[int(np.argmin(taken))], 0.5, mesh.bounds)
+    return Plane.along("xyz"[int(np.argmin(taken))], 0.5, shape.bounds)
 
 
 def tidy(value: float, size: float) -> str:
@@ -184,12 +184,12 @@ class PlanesGroup(QGroupBox):
 
     def _extent(self, plane: Plane) -> tuple[float, float]:
         """`extent`, computed once for each normal: a push asks for it at every move of the mouse."""
-        mesh = self._state.shape
-        assert mesh is not None
-        if self._ranged[0] is not mesh or self._ranged[1] != plane.normal:
-            low, high = extent(mesh, plane)
+        shape = self._state.shape
+        assert shape is not None
+        if self._ranged[0] is not shape or self._ranged[1] != plane.normal:
+            low, high = extent(shape, plane)
             height = float(np.dot(plane.origin, plane.normal))
-            self._ranged, self._range = (mesh, plane.normal), (low + height, high + height)
+            self._ranged, self._range = (shape, plane.normal), (low + height, high + height)
         height = float(np.dot(plane.origin, plane.normal))
         return self._range[0] - height, self._range[1] - height
 
@@ -209,10 +209,10 @@ class PlanesGroup(QGroupBox):
 
     def drag_to(self, plane: Plane) -> None:
         """Where the handle was dragged, but never so far that it loses the shape."""
-        mesh = self._state.shape
-        if mesh is None:
+        shape = self._state.shape
+        if shape is None:
             return
-        inside = np.clip(plane.origin, *mesh.bounds)
+        inside = np.clip(plane.origin, *shape.bounds)
         plane = Plane(tuple(inside - plane.height(inside) * np.array(plane.normal)), plane.normal)
         low, high = self._extent(plane)
         self.replace(plane.moved(float(np.clip(0.0, low + EDGE * (high - low), high - EDGE * (high - low)))))
@@ -242,9 +242,9 @@ class PlanesGroup(QGroupBox):
 
     def add_plane(self) -> None:
         """One more, which becomes the active one."""
-        mesh, planes = self._state.shape, self._state.query.planes
-        if mesh is not None and not is_flat(mesh):
-            self._calls.set(planes=(*planes, another(mesh, planes)), active_plane=len(planes))
+        shape, planes = self._state.shape, self._state.query.planes
+        if shape is not None and not is_flat(shape):
+            self._calls.set(planes=(*planes, another(shape, planes)), active_plane=len(planes))
 
     def remove_plane(self) -> None:
         """Without the active one."""

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Polygon
+from idviewer.core.shape import in_space
 from idviewer.view.camera import Projection
-from idviewer.view.flat import in_space
 
 Floats = NDArray[np.float64]
 

@@ -13,11 +13,12 @@ from PySide6.QtGui import QEnterEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from idviewer.core import Plane, Polygon
+from idviewer.core.shape import in_space
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.camera import Pose, Projection, View
 from idviewer.view.drawing import Smoothing, drawing_widget
 from idviewer.view.eye import Eye
-from idviewer.view.flat import in_space, is_flat
+from idviewer.view.flat import is_flat
 from idviewer.view.handle_geometry import Handle, Part
 from idviewer.view.plane_handle import PlaneHandle
 from idviewer.view.press import SHORT, STILL, Grip, Press, cursor_for, is_shift, target_of

@@ -159,14 +159,14 @@ class MainWindow(QMainWindow):
         else:
             self.complain(str(error) or type(error).__name__)
 
-    def _on_opened(self, mesh: Shape, path: Path | None) -> None:
+    def _on_opened(self, shape: Shape, path: Path | None) -> None:
         self.viewport.reset_view()
         self._reshaper.forget()
-        self.setWindowTitle(f"{path.name if path else mesh.name} — idviewer")
+        self.setWindowTitle(f"{path.name if path else shape.name} — idviewer")
         if path is not None:
             self._folder = str(path.parent)
-        if mesh.notes:
-            self.messages.tell("note", " ".join(mesh.notes))
+        if shape.notes:
+            self.messages.tell("note", " ".join(shape.notes))
         else:
             self.messages.clear()
 
@@ -193,12 +193,12 @@ class MainWindow(QMainWindow):
 
     def ask_for_picture(self) -> None:
         """Shows the picture dialog."""
-        mesh = self.session.state.shape
-        if mesh is None:
+        shape = self.session.state.shape
+        if shape is None:
             return
         shown = self.viewport.size() * self.viewport.devicePixelRatioF()
         dialog = dialogs.PictureDialog(
-            QSize(shown.width(), shown.height()), Path.cwd() / f"{mesh.name or 'picture'}.png", self
+            QSize(shown.width(), shown.height()), Path.cwd() / f"{shape.name or 'picture'}.png", self
         )
         dialog.chosen.connect(self.save_picture)
         self._show_dialog(dialog)

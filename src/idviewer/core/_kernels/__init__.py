@@ -7,14 +7,11 @@ Everything is in units of the bounding box's diagonal, about its centre.
 
 from idviewer.core._kernels.blocks import thread_count, weigh
 from idviewer.core._kernels.lanes import LANES
-from idviewer.core._kernels.patches import Landing, Scratch, no_landing, scratch_for
-from idviewer.core._kernels.surface import Surface
+from idviewer.core._kernels.patches import Scratch, no_landing, scratch_for
 
 __all__ = [
     "LANES",
-    "Landing",
     "Scratch",
-    "Surface",
     "no_landing",
     "scratch_for",
     "thread_count",

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core._kernels.entropy import maximum_entropy
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
-from idviewer.core.shape import Shape, as_points
+from idviewer.core.shape import Shape, as_points, in_space
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -63,7 +63,7 @@ class MaximumEntropyCoordinates(Coordinates):
         self._elements = self._boundary.elements
         constants = face_constants if shape.dimension == 3 else edge_constants
         self._constants = constants(positions, self._elements)
-        self._vertices = np.ascontiguousarray(_in_space(positions).T)
+        self._vertices = np.ascontiguousarray(in_space(positions).T)
 
     def weights(self, points: ArrayLike) -> Floats:
         """Coordinates of points with respect to every vertex.
@@ -80,7 +80,7 @@ class MaximumEntropyCoordinates(Coordinates):
         places, where, result = self._boundary.rows(as_points(points, self.shape.dimension))
         residuals, steps = np.empty(len(where.inside)), np.empty(len(where.inside), dtype=np.int64)
         maximum_entropy(
-            _in_space(places),
+            np.ascontiguousarray(in_space(places)),
             where.inside,
             self._vertices,
             self._elements,
@@ -105,11 +105,6 @@ class MaximumEntropyCoordinates(Coordinates):
                 ConvergenceWarning,
                 stacklevel=3,
             )
-
-
-def _in_space(places: Floats) -> Floats:
-    """Points (p, 2) or (p, 3) as (p, 3)."""
-    return np.ascontiguousarray(np.pad(places, [(0, 0), (0, 3 - places.shape[1])]))
 
 
 def edge_constants(positions: Floats, edges: Ints) -> Floats:

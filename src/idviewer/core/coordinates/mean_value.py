@@ -63,11 +63,10 @@ class MeanValueCoordinates(Coordinates):
         points = as_points(points, self.shape.dimension)
         return self._on.weights(points)
 
-    def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
-        """Values (n, k) at the vertices, carried to points; see `Coordinates.interpolate_steps`."""
+    def _interpolate_steps(self, points: Floats, values: Floats) -> Generator[float, None, Floats]:
         if isinstance(self._on, MeshMeanValue):
             return (yield from self._on.interpolate_steps(points, values))
-        return (yield from super().interpolate_steps(points, values))
+        return (yield from super()._interpolate_steps(points, values))
 
     def approximation(self, values: Floats, weights: Floats) -> Approximation | None:
         """Values (n, k) ready to be carried inside a mesh within a tolerance; see `Approximation`."""

@@ -10,8 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.shape import Shape, as_points
+from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
+
+WIDE, FEWEST, PRODUCTS = 256, 16, 2**26
+"""Columns from which on values are interpolated in portions, their fewest points, and about how many products
+of a weight and a value each takes."""
 
 NEGATIVITY_PAIRS = 1 << 20
 """Weights held at once by `negativity_steps`: 8 MB."""
@@ -82,6 +87,18 @@ class Coordinates:
             (p, k), NaN for points outside.
         """
         points = as_points(points, self.shape.dimension)
+        if values.shape[1] <= WIDE:
+            return (yield from self._interpolate_steps(points, values))
+        result = np.empty((len(points), values.shape[1]))
+        size = max(FEWEST, PRODUCTS // values.size)
+        for start in range(0, len(points), size):
+            part = slice(start, start + size)
+            result[part] = finish(self._interpolate_steps(points[part], values))
+            yield min(1.0, (start + size) / len(points))
+        return result
+
+    def _interpolate_steps(self, points: Floats, values: Floats) -> Generator[float, None, Floats]:
+        """The same of few columns, or few points: by rows of weights, unless a kind knows better."""
         result = np.empty((len(points), values.shape[1]))
         at_once = max(4, int(self.pairs_in_a_step / len(values)))
         for start in range(0, len(points), at_once):

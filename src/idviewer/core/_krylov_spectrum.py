@@ -1,0 +1,154 @@
+"""The lowest eigenpairs of a large shape, by block Lanczos about a shift below them or among them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from idviewer.core.block_lanczos import BLOCK, BlockLanczos
+from idviewer.core.mesh import MeshError
+from idviewer.core.polygon import PolygonError
+from idviewer.core.shape import Shape, ShapeError
+from idviewer.core.symmetric_factor import SymmetricFactor
+
+Floats = NDArray[np.float64]
+Cutoff = Callable[[float], float]
+
+RESIDUAL = 1e-6
+MIDDLE = 0.6
+"""Where among the eigenvalues the shift is, as a share of their bound: it takes the fewest vectors there."""
+
+PRECISE = 1e-9
+"""Largest residual of a solve with an indefinite factor. Those seen are below 1e-11."""
+
+FIRST_BLOCKS = 4
+VECTORS_OF_A_MODE = 2.3
+"""Fewer vectors in the basis for each mode have not been seen to suffice."""
+
+FACTORED = 0.05
+"""The share done once the matrix is factored, which cannot be interrupted."""
+
+
+class LowPairs(NamedTuple):
+    """Eigenpairs up to a bound; the attributes are those of `Spectrum`."""
+
+    values: Floats
+    vectors: Floats
+    residual: float
+    bound: float
+
+
+def krylov_steps(
+    shape: Shape, laplacian: sparse.csc_array, masses: Floats, cutoff: Cutoff, guess: float | None
+) -> Generator[float | None, None, LowPairs]:
+    """All pairs with 0 < lambda < cutoff(lambda_2) of a shape of n vertices; yields the share done, or None.
+
+    Args:
+        shape: it knows where the vertices are.
+        laplacian: (n, n).
+        masses: (n,) the diagonal of M.
+        cutoff: from lambda_2 to the bound of the eigenvalues kept.
+        guess: lambda_2 within some percent, where it is known.
+
+    Raises:
+        ShapeError: the cut-off asks for more modes than the shape carries.
+    """
+    weyl = _Weyl(shape.dimension, float(masses.sum()))
+    roots = np.sqrt(masses)
+    over = sparse.diags_array(1.0 / roots)
+    bound = math.inf if guess is None else cutoff(guess)
+    shift, factor = _factored(sparse.csc_array(over @ laplacian @ over), shape.vertices, bound, weyl)
+    krylov = BlockLanczos(factor, shift, roots)
+    yield FACTORED
+    expected = weyl.modes(bound)
+    while True:
+        for _ in range(min(krylov.room, _blocks_to_add(krylov.size, expected))):
+            yield from krylov.expand()
+        values, coefficients, residuals = krylov.ritz_pairs()
+        bound = cutoff(values[0])
+        kept = int(np.count_nonzero(values < bound))
+        if _complete(values < shift, residuals[: kept + 1], kept, factor.negative):
+            break
+        expected = max(weyl.modes(bound), kept)  # which never counts too many: Ritz values come from above
+        if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
+            raise _too_many(shape, expected)
+        yield min(0.95, FACTORED + 0.9 * krylov.size / (3.0 * expected + 4 * BLOCK))
+    vectors = krylov.vectors(coefficients[:, :kept])
+    vectors /= roots[:, None]
+    return LowPairs(values[:kept], vectors, float(residuals[:kept].max()), bound)
+
+
+def _factored(
+    matrix: sparse.csc_array, points: Floats, bound: float, weyl: _Weyl
+) -> tuple[float, SymmetricFactor]:
+    """A shift and the factor of the matrix less the shift: one among the eigenvalues up to a bound that is
+    about known, if that can be factored precisely, or else one below all of them."""
+    identity = sparse.eye_array(len(points))
+    if math.isfinite(bound):
+        for share in (MIDDLE, MIDDLE - 0.017, MIDDLE + 0.013):
+            shifted = sparse.csc_array(matrix - share * bound * identity)
+            try:
+                factor = SymmetricFactor(shifted, points, definite=False)
+            except np.linalg.LinAlgError:
+                continue
+            if factor.residual(shifted) < PRECISE:
+                return share * bound, factor
+    return weyl.shift, SymmetricFactor(sparse.csc_array(matrix - weyl.shift * identity), points)
+
+
+def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: int) -> bool:
+    """Whether all values up to the bound are there.
+
+    Above the shift one converged value beyond the bound shows that none within is still to come; below it
+    the inertia tells how many there are, with the constant that was left out.
+    """
+    enough = np.count_nonzero(below) >= negative - 1
+    return bool(enough and kept < len(below) and residuals.max() < RESIDUAL)
+
+
+def _blocks_to_add(size: int, expected: float) -> int:
+    """How far a Krylov space is to grow until it is looked at again, which costs as much as a block."""
+    if size == 0 and not math.isfinite(expected):
+        return FIRST_BLOCKS
+    goal = max(1.1 * size, VECTORS_OF_A_MODE * expected)
+    if math.isinf(expected) or FIRST_BLOCKS * BLOCK < size < 0.5 * goal:
+        goal = 2.0 * size
+    return max(1, round((goal - size) / BLOCK))
+
+
+@dataclass(frozen=True)
+class _Weyl:
+    """Weyl's law: how many eigenvalues a boundary of that size has.
+
+    Attributes:
+        dimension: of the space, one more than the boundary's.
+        size: the boundary's area or length.
+    """
+
+    dimension: int
+    size: float
+
+    def modes(self, bound: float) -> float:
+        """Number of eigenvalues below a bound, about."""
+        if self.dimension == 2:
+            return self.size * math.sqrt(bound) / math.pi
+        return self.size * bound / (4.0 * math.pi)
+
+    @property
+    def shift(self) -> float:
+        """An eighth of the spacing below zero: near enough to favour low modes, far enough to factor well."""
+        return -0.5 * math.pi**2 / self.size**2 if self.dimension == 2 else -0.5 * math.pi / self.size
+
+
+def _too_many(shape: Shape, expected: float) -> ShapeError:
+    kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
+    return error(
+        f"the distance asks for about {expected:.0f} modes, more than a {kind} of {len(shape.vertices)} "
+        f"vertices can carry; choose a longer diffusion time or a finer {kind}"
+    )
