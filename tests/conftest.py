@@ -50,6 +50,20 @@ def pytest_addoption(parser: pytest.Parser) -> None:
                 parser.addini(name, f"of {plugin}, which is not installed")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_caches(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Keeps eigenpairs that programs under test store, and those of the user, apart from each other.
+
+    What matplotlib and Mesa keep has nothing to do with it, and takes long to make again.
+    """
+    users = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    os.environ.setdefault("MPLCONFIGDIR", os.path.join(users, "matplotlib"))
+    os.environ.setdefault("MESA_SHADER_CACHE_DIR", users)
+    folder = tmp_path_factory.mktemp("caches")
+    os.environ["XDG_CACHE_HOME"] = str(folder)
+    return folder
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run and every test."""

@@ -34,6 +34,7 @@ from idviewer.core import (
     sample_names,
 )
 from idviewer.core.coordinates import maximum_entropy
+from idviewer.session import eigenpairs, spectrum_cache
 
 INSIDE, OUTSIDE = "-0.3,0.1,0.2", "0.3,4,0.2"
 QUICK = ("--distance", "euclidean")
@@ -691,12 +692,75 @@ class TestMeshes:
         assert refused(run("info", sample_names()[0]))
 
 
+class TestCache:
+    """Eigenpairs are kept from one call to the next."""
+
+    VERBS = (
+        ("barycentroid",),
+        ("distance", "--from=0,0,0", "--to=0.1,0.2,1"),
+        ("render", "out.png", "--size=64x64"),
+    )
+
+    @pytest.fixture
+    def body(self, tmp_path: Path) -> str:
+        """Small enough to take no time."""
+        path = tmp_path / "ball.off"
+        trimesh.creation.icosphere(subdivisions=1, radius=2).export(path)
+        return str(path)
+
+    @pytest.fixture
+    def folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+        """Where they are; also those that took no time."""
+        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+        monkeypatch.setattr(spectrum_cache.SpectrumCache.__init__, "__defaults__", (10**9, 0.0))
+        return tmp_path / "idviewer" / "eigenpairs"
+
+    @pytest.mark.parametrize("verb", VERBS)
+    def test_what_was_computed_once_is_read(
+        self, run: Run, body: str, folder: Path, verb: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        first = run(verb[0], body, *verb[1:])
+        assert [path.suffix for path in folder.iterdir()] == [spectrum_cache.SUFFIX]
+        monkeypatch.delattr(eigenpairs, "eigenpair_steps")
+        assert run(verb[0], body, *verb[1:]) == first
+        assert first.status == 0
+
+    @pytest.mark.parametrize("verb", VERBS)
+    def test_no_cache_neither_reads_nor_writes(
+        self, run: Run, body: str, folder: Path, verb: tuple[str, ...]
+    ) -> None:
+        first = run(verb[0], body, *verb[1:], "--no-cache")
+        assert not folder.exists()
+        run("barycentroid", body)
+        (path,) = folder.iterdir()
+        path.write_text("damaged")
+        assert run(verb[0], body, *verb[1:], "--no-cache") == first
+        assert path.read_text() == "damaged"
+
+    @pytest.mark.parametrize("verb", VERBS)
+    def test_damage_is_told(self, run: Run, body: str, folder: Path, verb: tuple[str, ...]) -> None:
+        run("barycentroid", body)
+        (path,) = folder.iterdir()
+        path.write_bytes(path.read_bytes()[:5000])
+        told = run(verb[0], body, *verb[1:])
+        assert told.status == 0
+        assert told.err.splitlines() == [
+            "idviewer: The eigenpairs kept of this shape were computed again: their file was damaged."
+        ]
+        assert run("barycentroid", body).err == ""
+
+    @pytest.mark.parametrize("verb", ["render", "distance", "barycentroid", ""])
+    def test_it_is_in_the_help(self, run: Run, verb: str) -> None:
+        assert "--no-cache" in run(*verb.split(), "--help").out
+
+
 class TestWindow:
     @pytest.fixture
     def opened(self, monkeypatch: pytest.MonkeyPatch) -> list[Path | None]:
         """What the window was opened on."""
         opened: list[Path | None] = []
-        app = SimpleNamespace(run_window=lambda path: opened.append(path) or 7)
+        self.caches = caches = []
+        app = SimpleNamespace(run_window=lambda path, cache: opened.append(path) or caches.append(cache) or 7)
         monkeypatch.setitem(sys.modules, "idviewer.app", app)
         monkeypatch.setattr(words, "why_no_display", lambda: "")
         monkeypatch.setattr(words, "need_window_libraries", lambda: None)
@@ -705,6 +769,10 @@ class TestWindow:
     def test_opens_on_a_file(self, run: Run, body: str, opened: list[Path | None]) -> None:
         assert run(body).status == 7
         assert opened == [Path(body)]
+
+    def test_no_cache(self, run: Run, body: str, opened: list[Path | None]) -> None:
+        assert (run(body).status, run(body, "--no-cache").status) == (7, 7)
+        assert [cache is None for cache in self.caches] == [False, True]
 
     def test_opens_on_what_it_likes(self, run: Run, opened: list[Path | None]) -> None:
         assert run().status == 7

@@ -13,23 +13,24 @@ from PySide6.QtWidgets import QApplication
 from idviewer.core.samples import DEFAULT_SAMPLE, sample_path
 from idviewer.session.runner import Work
 from idviewer.session.session import Session
+from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.view.post import Post
 from idviewer.view.window import MainWindow
 
 
-def make_window(work: Work | None = None) -> MainWindow:
+def make_window(work: Work | None = None, cache: SpectrumCache | None = None) -> MainWindow:
     """A window with a session of its own, whose requests work answers; a QApplication must exist."""
     post = Post()
-    return MainWindow(Session(post, work), post)
+    return MainWindow(Session(post, work, cache), post)
 
 
-def run_window(path: Path | None) -> int:
+def run_window(path: Path | None, cache: SpectrumCache | None = None) -> int:
     """Shows the window on a mesh, or on a bundled shape, until it is closed; returns the exit status."""
     logging.basicConfig(format="%(levelname)s: %(message)s")
     application = QApplication.instance() or QApplication(sys.argv[:1])
     application.setApplicationName("idviewer")
     pv.enable_smp_tools()
-    window = make_window()
+    window = make_window(cache=cache)
     _show_uncaught(window)
     window.show()
     window.open(path if path is not None else sample_path(DEFAULT_SAMPLE))

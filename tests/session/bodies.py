@@ -10,6 +10,7 @@ from tests.core import shapes
 
 from idviewer.core import Mesh, Plane
 from idviewer.session.session import Session
+from idviewer.session.spectrum_cache import SpectrumCache
 
 WAIT = 60.0
 """Seconds after which a test that waits for the compute thread fails."""
@@ -46,9 +47,9 @@ class Owner:
 class Desk:
     """A session with its owner's thread, and a log of all that it tells; closed at the end of a `with`."""
 
-    def __init__(self) -> None:
+    def __init__(self, cache: SpectrumCache | None = None) -> None:
         self.owner = Owner()
-        self.session = Session(self.owner.post)
+        self.session = Session(self.owner.post, cache=cache)
         self.log: list[tuple] = []
         for name in ("changed", "opened", "readied", "framed", "progressed", "failed"):
             getattr(self.session, name).connect(lambda *told, name=name: self.log.append((name, *told)))

@@ -8,7 +8,7 @@ from tests.session.bodies import egg
 
 from idviewer.core import GPS, Biharmonic, Diffusion, Distance, Euclidean, InteriorDistance, MeshError, Plane
 from idviewer.core import barycentroid as barycentroid_module
-from idviewer.session import pipeline as pipeline_module
+from idviewer.session import eigenpairs as eigenpairs_module
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.state import DropRequest, Failure, Frame, FrameRequest, Query, Ready
@@ -152,13 +152,13 @@ def test_a_search_that_fails_is_told_and_can_be_repeated(pipeline, monkeypatch):
 
 def test_eigenpairs_are_computed_once_and_only_when_needed(monkeypatch):
     computed = []
-    original = pipeline_module.eigenpair_steps
+    original = eigenpairs_module.eigenpair_steps
 
     def counting(mesh, cutoff):
         computed.append(mesh)
         return original(mesh, cutoff)
 
-    monkeypatch.setattr(pipeline_module, "eigenpair_steps", counting)
+    monkeypatch.setattr(eigenpairs_module, "eigenpair_steps", counting)
     pipeline = Pipeline()
     told, times = [], []
     for distance in (Euclidean(), Diffusion(), Euclidean(), GPS(), Diffusion(time=1.0)):

@@ -148,7 +148,7 @@ def test_distances_and_coordinates_share_what_they_can(monkeypatch):
         assert frames_of(STAR, Query(distance=Geodesic(), coordinates=coordinates), pipeline)[-1].exact
     frames_of(STAR, Query(distance=Biharmonic(), coordinates="shepard"), pipeline)
     with monkeypatch.context() as broken:
-        broken.setattr("idviewer.session.pipeline.eigenpair_steps", None)
+        broken.setattr("idviewer.session.eigenpairs.eigenpair_steps", None)
         assert frames_of(STAR, Query(coordinates="maximum_entropy"), pipeline)[-1].exact
 
 

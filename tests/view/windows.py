@@ -19,6 +19,7 @@ from idviewer.app import make_window
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Work
 from idviewer.session.session import Session
+from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Request, Result
 from idviewer.view.handle_geometry import Part
 from idviewer.view.viewport import Viewport
@@ -39,9 +40,14 @@ def write_ellipsoid(folder: Path, name: str = "ellipsoid.ply") -> Path:
     return path
 
 
-def show_window(qtbot: QtBot, work: Work | None = None, size: tuple[int, int] = SIZE) -> MainWindow:
+def show_window(
+    qtbot: QtBot,
+    work: Work | None = None,
+    size: tuple[int, int] = SIZE,
+    cache: SpectrumCache | None = None,
+) -> MainWindow:
     """A window in the corner of the screen that has the keyboard; the test's end closes it."""
-    window = make_window(work or FirstFrames().work)
+    window = make_window(work or FirstFrames().work, cache)
     qtbot.addWidget(window)
     window.move(0, 0)
     window.resize(*size)

@@ -15,7 +15,7 @@ from cyclopts import App, CycloptsError
 
 import idviewer
 from idviewer.cli import kinds, output, words, work
-from idviewer.cli.options import Asked, Component, Ends, Flag, Kind, Looks
+from idviewer.cli.options import Asked, Component, Ends, Flag, Kind, Looks, NoCache
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
 CARRYING = ("render", "distance", "barycentroid")
@@ -34,11 +34,12 @@ app = App(
 
 
 @app.default
-def window(shape: str | None = None, /) -> int:
+def window(shape: str | None = None, /, *, no_cache: NoCache = False) -> int:
     """Open the window; without a display, draw a picture instead.
 
     Args:
         shape: A file, or the name of a bundled shape.
+        no_cache: Neither read nor keep eigenpairs on disk.
     """
     from idviewer.core.samples import DEFAULT_SAMPLE
 
@@ -48,13 +49,14 @@ def window(shape: str | None = None, /) -> int:
         print(f"idviewer: {obstacle}; drawing a picture instead", file=sys.stderr, flush=True)
         words.check_picture_path(FALLBACK_PICTURE)
         kind = kinds.carried_by(Kind())
-        work.draw(words.shape_of(shape or DEFAULT_SAMPLE), FALLBACK_PICTURE, kind, Asked(), Looks())
+        made = words.shape_of(shape or DEFAULT_SAMPLE)
+        work.draw(made, FALLBACK_PICTURE, kind, Asked(), Looks(), work.cache_of(no_cache))
         print(FALLBACK_PICTURE)
         return 0
     words.need_window_libraries()
     from idviewer.app import run_window
 
-    return run_window(path)
+    return run_window(path, work.cache_of(no_cache))
 
 
 @app.command
@@ -67,6 +69,7 @@ def render(
     kind: Kind = Kind(),
     looks: Looks = Looks(),
     component: Component = None,
+    no_cache: NoCache = False,
 ) -> None:
     """Draw a picture into a PNG file; needs no display.
 
@@ -74,11 +77,12 @@ def render(
         shape: A file, or the name of a bundled shape.
         out: The picture.
         component: Which of a mesh's components to take, 1 for the largest.
+        no_cache: Neither read nor keep eigenpairs on disk.
     """
     words.check_picture_path(out)
     work.check(asked, looks)
     carried = kinds.carried_by(kind)
-    work.draw(words.shape_of(shape, component), out, carried, asked, looks)
+    work.draw(words.shape_of(shape, component), out, carried, asked, looks, work.cache_of(no_cache))
 
 
 @app.command
@@ -89,6 +93,7 @@ def distance(
     ends: Ends = Ends(),
     kind: Kind = Kind(),
     component: Component = None,
+    no_cache: NoCache = False,
     json: Flag = False,
 ) -> None:
     """Print the interior distance of two points, or of many from one.
@@ -96,6 +101,7 @@ def distance(
     Args:
         shape: A file, or the name of a bundled shape.
         component: Which of a mesh's components to take, 1 for the largest.
+        no_cache: Neither read nor keep eigenpairs on disk.
         json: Print JSON.
     """
     given = {name for name, value in vars(ends).items() if value is not None}
@@ -109,22 +115,30 @@ def distance(
             "(X,Y in a polygon)"
         )
     carried = kinds.carried_by(kind)
-    print(answer(ends, lambda: words.shape_of(shape, component), carried, json))
+    cache = work.cache_of(no_cache)
+    print(answer(ends, lambda: words.shape_of(shape, component), carried, cache, json))
 
 
 @app.command
 def barycentroid(
-    shape: str, /, *, kind: Kind = Kind(), component: Component = None, json: Flag = False
+    shape: str,
+    /,
+    *,
+    kind: Kind = Kind(),
+    component: Component = None,
+    no_cache: NoCache = False,
+    json: Flag = False,
 ) -> None:
     """Print the point inside whose mean squared distance to the boundary is smallest.
 
     Args:
         shape: A file, or the name of a bundled shape.
         component: Which of a mesh's components to take, 1 for the largest.
+        no_cache: Neither read nor keep eigenpairs on disk.
         json: Print JSON.
     """
     carried = kinds.carried_by(kind)
-    solver = work.solver_of(words.shape_of(shape, component), carried)
+    solver = work.solver_of(words.shape_of(shape, component), carried, work.cache_of(no_cache))
     found = solver.barycentroid()
     work.tell_remarks(work.remarks_of(solver))
     if json:

@@ -21,6 +21,7 @@ ParameterTexts = Annotated[
     tuple[str, ...],
     Parameter(allow_leading_hyphen=True, negative="", show_default=False, metavar="NAME=VALUE"),
 ]
+NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
 Component = Annotated[int | None, Parameter(metavar="N")]
 
 

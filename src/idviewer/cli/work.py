@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from idviewer.cli.words import Point
     from idviewer.core import Distance, InteriorDistance, Shape
     from idviewer.session.pipeline import Pipeline
+    from idviewer.session.spectrum_cache import SpectrumCache
     from idviewer.session.state import Frame, Query
 
     Carried = tuple[Distance, str]
@@ -24,14 +25,23 @@ if TYPE_CHECKING:
 MOST_ISOLINES = 200
 
 
-def pair(ends: Ends, shape: Callable[[], Shape], kind: Carried, json: bool) -> str:
+def cache_of(no_cache: bool) -> SpectrumCache | None:
+    """Where eigenpairs are kept; None if that is not wanted."""
+    from idviewer.session.spectrum_cache import SpectrumCache
+
+    return None if no_cache else SpectrumCache.of_user()
+
+
+def pair(
+    ends: Ends, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
+) -> str:
     """The distance of two points, in words or JSON."""
     asked = {"--from": ends.from_ or "", "--to": ends.to or ""}
     for option, text in asked.items():
         words.point_of(text, option)  # before a large file is read
     body = shape()
     points = [words.point_of(text, option, body.dimension) for option, text in asked.items()]
-    made = solver_of(body, kind)
+    made = solver_of(body, kind, cache)
     _refuse_outside(made, points, list(asked))
     inside, straight = float(made.distance(points[:1], points[1:])[0]), math.dist(*points)
     tell_remarks(remarks_of(made))
@@ -41,13 +51,15 @@ def pair(ends: Ends, shape: Callable[[], Shape], kind: Carried, json: bool) -> s
     return f"interior   {inside!r}  ({made.description})\nEuclidean  {straight!r}"
 
 
-def many(ends: Ends, shape: Callable[[], Shape], kind: Carried, json: bool) -> str:
+def many(
+    ends: Ends, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
+) -> str:
     """The distances of many points from one, as a table or JSON."""
     words.source_of(ends.source or "")
     body = shape()
     source = words.source_of(ends.source or "", body.dimension)
     points, lines, header = words.points_in(Path(ends.points or ""), body.dimension)
-    made = solver_of(body, kind)
+    made = solver_of(body, kind, cache)
     if source is None:
         source = tuple(made.barycentroid().point.tolist())
     places = ["--source", *(f"{ends.points}, line {n}" for n in lines)]
@@ -82,12 +94,19 @@ def _box(shape: Shape) -> str:
     return f"whose bounding box is {' to '.join(corners)}"
 
 
-def solver_of(shape: Shape, kind: Carried) -> InteriorDistance:
-    """The solver of a shape, with its eigenpairs computed; `tell_remarks` says what it warns of."""
+def solver_of(shape: Shape, kind: Carried, cache: SpectrumCache | None) -> InteriorDistance:
+    """The solver of a shape, with its eigenpairs read or computed; `tell_remarks` says what it warns of."""
     from idviewer.core import InteriorDistance
+    from idviewer.core.steps import finish
+    from idviewer.session.eigenpairs import Eigenpairs
 
     _tell("computing the embedding; the first run also compiles kernels ...")
-    solver = InteriorDistance(shape, *kind)
+    distance, coordinates = kind
+    pairs = Eigenpairs(cache)
+    spectrum = finish(pairs.steps(shape, distance)) if distance.spectral else None
+    finish(pairs.keep_steps())
+    tell_remarks(pairs.remarks(shape))
+    solver = InteriorDistance(shape, distance, coordinates, spectrum=spectrum)
     solver.coordinates.warns = False
     return solver
 
@@ -128,7 +147,9 @@ def check(asked: Asked, looks: Looks) -> None:
         raise ValueError(f"--opacity {looks.opacity}: it lies between 0 (not seen) and 1")
 
 
-def draw(shape: Shape, out: Path, kind: Carried, asked: Asked, looks: Looks) -> None:
+def draw(
+    shape: Shape, out: Path, kind: Carried, asked: Asked, looks: Looks, cache: SpectrumCache | None
+) -> None:
     """Computes a picture and writes it."""
     words.need_picture_libraries()
     from idviewer.session.state import Display, State
@@ -136,7 +157,7 @@ def draw(shape: Shape, out: Path, kind: Carried, asked: Asked, looks: Looks) -> 
 
     query = query_of(shape, kind, asked)
     display = Display(isolines=looks.isolines, colormap=looks.colormap, opacity=looks.opacity)
-    frame = frame_of(shape, query)
+    frame = frame_of(shape, query, cache)
     for text, section in zip(asked.plane, frame.slices, strict=False):
         if not len(section.points):
             raise ValueError(f"--plane {text}: the plane misses the body, {_box(shape)}")
@@ -163,13 +184,13 @@ def query_of(shape: Shape, kind: Carried, asked: Asked) -> Query:
     return Query(planes, source, distance, asked.quantity, coordinates)  # type: ignore[arg-type]
 
 
-def frame_of(shape: Shape, query: Query) -> Frame:
+def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:
     """What a query asks for; of a mesh without a plane, on the one that the window shows first."""
     from idviewer.core import Plane
     from idviewer.session.pipeline import Pipeline
     from idviewer.session.session import default_plane
 
-    pipeline = Pipeline()
+    pipeline = Pipeline(cache)
     if shape.dimension == 3 and not query.planes:
         centre = _finest(pipeline, shape, query).barycentroid
         query = replace(query, planes=(Plane(tuple(centre.tolist()), default_plane(shape).normal),))
@@ -184,6 +205,8 @@ def _finest(pipeline: Pipeline, shape: Shape, query: Query) -> Frame:
     for result in pipeline.results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
+        if frame is not None and frame.exact and frame.query == query and isinstance(result, Progress):
+            break  # what follows is for frames to come
         if isinstance(result, Progress) and result.stage != told:
             told = result.stage
             _tell(f"{told} ...")

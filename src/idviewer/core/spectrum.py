@@ -25,6 +25,9 @@ from idviewer.core.threads import small_products
 Floats = NDArray[np.float64]
 Steps = Generator[float | None, None, "Spectrum"]
 
+SOLVER_VERSION = 1
+"""To be raised when the eigenpairs of a shape change by more than rounding: kept ones are then not used."""
+
 SMALLEST_KEPT = 1e-6
 """The paper keeps the modes with exp(-lambda t) above this (Rustamov et al. 2009, appendix)."""
 

@@ -34,9 +34,16 @@ class Framing:
         self.solver = self._sampled.solver.with_distance(query.distance)
 
     def prepare_steps(self) -> Generator[float, None, list[PlaneSamples]]:
-        """What sampling needs, and the samples on the planes to show."""
-        yield from self._sampled.sampler.prepare_steps()
+        """What sampling needs, if there is something to sample, and the samples on the planes to show."""
+        if not self.is_there:
+            yield from self._sampled.sampler.prepare_steps()
         return [self._sampled.on(plane) for plane in self._planes]
+
+    @property
+    def is_there(self) -> bool:
+        """Whether nothing has to be sampled for the exact frame."""
+        final = all(self._sampled.on(plane).final for plane in self._planes)
+        return final and self.settled and self.has_exact_points
 
     @property
     def settled(self) -> bool:

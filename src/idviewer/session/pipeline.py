@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Generator, Hashable
 from contextlib import closing
-from inspect import GEN_CLOSED, getgeneratorstate
+from dataclasses import replace
 from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
 
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
-from idviewer.core.compilation import compile_steps
-from idviewer.core.preview import is_worth_previewing
 from idviewer.core.room import check_room
-from idviewer.core.spectrum import eigenpair_steps
 from idviewer.core.threads import few_threads, small_products
+from idviewer.session.eigenpairs import REFINING, Eigenpairs, Recalled
 from idviewer.session.framing import Framing
+from idviewer.session.kernels import Kernels
 from idviewer.session.memory import give_back
+from idviewer.session.opening import default_plane
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.previews import Previews
+from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -39,9 +40,6 @@ from idviewer.session.state import (
 Results = Generator[Result | None, None, None]
 Made = TypeVar("Made")
 
-COMPILING = "Preparing kernels (compiled once, at the first run)"
-COMPUTING, REFINING = "Computing eigenpairs", "Refining eigenpairs"
-FACTORING = "Factoring (cannot be interrupted)"
 SEARCHING = "Finding the barycentroid"
 PATIENCE = 0.3
 """Seconds for which a polygon's progress is not told."""
@@ -54,15 +52,18 @@ class Pipeline:
     not start it anew. One thread at a time may use a pipeline.
 
     Args:
+        cache: where eigenpairs are kept from one run of the program to the next; None for nowhere.
         previews: whether frames of a large mesh begin with previews, for somebody who looks on.
     """
 
-    def __init__(self, previews: bool = False) -> None:
+    def __init__(self, cache: SpectrumCache | None = None, previews: bool = False) -> None:
+        self._kernels = Kernels()
+        self._eigenpairs = Eigenpairs(cache)
         self._previews = Previews() if previews else None
+        self._recalled: tuple[Hashable, Recalled] | None = None
         self._prepared: Prepared | None = None
         self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
         self._told: tuple[Prepared, int] | None = None
-        self._compiling: dict[tuple[int, str], Generator[Progress, None, None]] = {}
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -77,8 +78,8 @@ class Pipeline:
                     with few_threads(request.shape):
                         yield from _patiently(request.shape, self._frames(request))
                 case DropRequest():
-                    self._preparing = None
-                    self._compiling = {key: one for key, one in self._compiling.items() if _is_done(one)}
+                    self._preparing = self._recalled = None
+                    self._kernels.drop()
                     if self._previews is not None:
                         self._previews.drop()
                     if self._prepared is not None:
@@ -100,28 +101,61 @@ class Pipeline:
             or prepared.shape is not request.shape
             or prepared.lacks_eigenpairs(query.distance)
         ):
-            yield from self._compile(query.coordinates, request.shape)
-            if self._previews is not None:
+            recalled = yield from self._recall(request)
+            if recalled.spectrum is None and self._previews is not None:
+                yield from self._kernels.steps(query.coordinates, request.shape)
                 yield from self._previews.picture_steps(request.shape, query)
-            prepared = yield from self._prepare(request)
+            prepared = yield from self._prepare(request, recalled)
+            self._recalled = None
             if self._previews is not None:
                 self._previews.forget()
-        yield from self._compile(query.coordinates, prepared.shape)  # others than those it was prepared with
+        if prepared.opened is None:  # otherwise there is something to show first
+            # Others than those it was prepared with.
+            yield from self._kernels.steps(query.coordinates, prepared.shape)
         yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
-        framing = Framing(prepared, query)
-        modes = len(framing.solver.spectrum.values) if query.distance.spectral else 0
+        solver = prepared.sampled(query).solver
+        modes = len(solver.spectrum.values) if query.distance.spectral else 0
         if self._told != (prepared, modes):
             self._told = (prepared, modes)
             yield Ready(request.shape, modes, np.array(prepared.barycentroid(query)))
+            if prepared.opened is not None and query.planes == (default_plane(request.shape),):
+                # Who gets to know the barycentroid asks for the plane through it next, and that is there.
+                yield from self._refined(prepared, replace(query, planes=(prepared.opened,)))
+        yield from self._refined(prepared, query)
+        yield from self._keep_opening(prepared, query)
+        # After a first view that was kept there is nothing yet to sample others with.
+        yield from self._kernels.steps(query.coordinates, request.shape)
+        yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps())
+
+    def _refined(self, prepared: Prepared, query: Query) -> Results:
+        """The frames of a query whose shape is prepared."""
+        framing = Framing(prepared, query)
+        if not framing.is_there:
+            yield from self._kernels.steps(query.coordinates, prepared.shape)
         samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
-            yield from _coarse_to_fine(prepared, framing, samples)
+            yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
 
-    def _prepare(self, request: FrameRequest) -> Generator[Progress, None, Prepared]:
+    def _keep_opening(self, prepared: Prepared, query: Query) -> Generator[None, None, None]:
+        """Writes what a first view shows for the next run of the program."""
+        spectrum = prepared.spectrum
+        opening = prepared.opening(query)
+        if opening is not None and spectrum is not None:
+            yield from self._eigenpairs.keep_opening_steps(prepared.shape, spectrum, query, opening)
+
+    def _recall(self, request: FrameRequest) -> Generator[Progress, None, Recalled]:
+        """What is kept of a shape from an earlier run; looked for once."""
+        shape, query = request.shape, request.query
+        key = shape, query.distance, query.coordinates
+        if self._recalled is None or self._recalled[0] != key:
+            self._recalled = key, (yield from self._eigenpairs.recall_steps(shape, query))
+        return self._recalled[1]
+
+    def _prepare(self, request: FrameRequest, recalled: Recalled) -> Generator[Progress, None, Prepared]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
         if self._preparing is None or self._preparing[:2] != (shape, key):
             known = self._prepared if self._prepared is not None and self._prepared.shape is shape else None
-            self._preparing = (shape, key, self._preparation(request, known))
+            self._preparing = (shape, key, self._preparation(request, known, recalled))
         steps = self._preparing[2]
         # Not `yield from`: that would close the preparation together with this request.
         while True:
@@ -133,12 +167,15 @@ class Pipeline:
             yield progress
 
     def _preparation(
-        self, request: FrameRequest, known: Prepared | None
+        self, request: FrameRequest, known: Prepared | None, recalled: Recalled
     ) -> Generator[Progress, None, Prepared]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
-        stage = REFINING if self._previews is not None and self._previews.shown else COMPUTING
-        spectrum = (yield from _eigenpairs(shape, query.distance, stage)) if query.distance.spectral else None
+        spectrum, opening = recalled
+        if opening is None:
+            yield from self._kernels.steps(query.coordinates, shape)
+        if query.distance.spectral and spectrum is None:
+            spectrum = yield from self._computed(shape, query.distance)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             give_back()
         if known is not None:
@@ -147,6 +184,8 @@ class Pipeline:
         steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from _with_progress(_stage(query.distance), steps)
         prepared = Prepared(solver, self._centre(request))
+        if opening is not None:
+            prepared.restore(query, opening)
         if not prepared.has_centre:
             yield Progress(SEARCHING)
             with small_products():
@@ -160,23 +199,13 @@ class Pipeline:
             return request.centre
         return None if self._previews is None else self._previews.centre(request.shape)
 
-    def _compile(self, coordinates: str, shape: Shape) -> Generator[Progress, None, None]:
-        """The kernels that these coordinates need on such shapes; goes on where a closed attempt stopped."""
-        key = shape.dimension, coordinates
-        steps = self._compiling.setdefault(key, _compilation(*key))
-        # Not `yield from`: that would close it together with this request.
-        while (progress := next(steps, None)) is not None:
-            yield progress
-
-
-def _is_done(steps: Generator[Progress, None, None]) -> bool:
-    return getgeneratorstate(steps) == GEN_CLOSED
-
-
-def _compilation(dimension: int, coordinates: str) -> Generator[Progress, None, None]:
-    yield Progress(COMPILING)
-    for share in compile_steps(dimension, coordinates):
-        yield Progress(COMPILING, share)
+    def _computed(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
+        """Eigenpairs by the solver, which is told what a preview knows of them."""
+        preview = None if self._previews is None else self._previews.spectrum_of(shape)
+        if preview is None:
+            return (yield from self._eigenpairs.compute_steps(shape, distance))
+        guess = float(preview.values[0])
+        return (yield from self._eigenpairs.compute_steps(shape, distance, REFINING, guess))
 
 
 def _holds(shape: Shape, point: Point | None) -> bool:
@@ -249,18 +278,7 @@ def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> 
             raise result.error
         if isinstance(result, Frame):
             last = result
+        if last is not None and last.exact and last.query == query and isinstance(result, Progress):
+            break  # what follows is for frames to come
     assert last is not None
     return last
-
-
-def _eigenpairs(shape: Shape, distance: Distance, stage: str) -> Generator[Progress, None, Spectrum]:
-    yield Progress(stage, 0.0)
-    share = 0.0
-    steps = eigenpair_steps(shape, distance.cutoff)
-    while True:
-        try:
-            share = max(share, next(steps) or 0.0)
-        except StopIteration as stop:
-            return stop.value
-        # The large factorisation comes first, and is a single step.
-        yield Progress(FACTORING if share == 0.0 and is_worth_previewing(shape) else stage, share)

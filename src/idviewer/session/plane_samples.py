@@ -100,6 +100,15 @@ class PlaneSamples:
         """The level to show first: the finest that needs no more samples."""
         return 0 if self._done is None else self._done[0]
 
+    @property
+    def final(self) -> bool:
+        """Whether every sample is there."""
+        return self._done is not None and self._done[1].final
+
+    def restore(self, known: SampledSlice) -> None:
+        """Takes samples of the last level that were taken before."""
+        self._done = self.levels - 1, known
+
     def level_steps(self, level: int) -> Steps:
         """The slice at a level or, if that is there, a finer one; the last is exact at every point.
 

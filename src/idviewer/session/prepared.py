@@ -13,6 +13,7 @@ from idviewer.core.barycentroid import Barycentroid
 from idviewer.core.shape import in_space
 from idviewer.core.steps import finish
 from idviewer.session.cloud import Reach
+from idviewer.session.opening import Opening
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.sampler import Sampler
 from idviewer.session.state import Point, Query, QueryError
@@ -64,6 +65,18 @@ class Sampled:
         effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
         visits = FACE_VISITS / (effort * len(self.solver.shape.facets))
         return int(min(visits, NUMBERS / self.solver.basis.shape[1]))
+
+    def restore(self, opening: Opening) -> None:
+        """Takes samples that were taken before."""
+        self.on(opening.plane).restore(opening.section)
+        self._points[opening.barycentroid] = opening.row
+
+    def opening(self, plane: Plane, point: Point) -> Opening | None:
+        """The finest samples on a plane and at a point, if they are there and took long."""
+        there = point in self._points and plane in self._planes and self._planes[plane].final
+        if not there or self.sampler.exact_always or self.remarks:
+            return None
+        return Opening(point, self._points[point], plane, finish(self._planes[plane].level_steps(0)))
 
     def is_exact(self, point: Point) -> bool:
         """Whether the exact row of a point is there, or takes no time."""
@@ -134,6 +147,8 @@ class Prepared:
         self._sampled = [Sampled(solver, finest)]
         self._found: dict[Kind, Point] = {}
         self._latest = centre
+        self.has_opening = False
+        self.opened: Plane | None = None
         self._building: tuple[Hashable, Generator[float | None, None, InteriorDistance]] | None = None
         self._search: tuple[Kind, Generator[float | None, None, Barycentroid]] | None = None
 
@@ -221,6 +236,22 @@ class Prepared:
                 self._search = None
                 raise
             yield
+
+    def restore(self, query: Query, opening: Opening) -> None:
+        """Takes what a query's first view shows from an earlier run of the program."""
+        self.sampled(query).restore(opening)
+        self._found[_kind(query)] = self._latest = opening.barycentroid
+        self.has_opening, self.opened = True, opening.plane
+
+    def opening(self, query: Query) -> Opening | None:
+        """What a query shows, if it is a slice through the barycentroid, all of which is there; once."""
+        point = self._found.get(_kind(query))
+        through = len(query.planes) == 1 and query.planes[0].origin == point
+        if self.has_opening or point is None or not through or not query.distance.spectral:
+            return None
+        opening = self.sampled(query).opening(query.planes[0], point)
+        self.has_opening = opening is not None
+        return opening
 
     def forget_search(self) -> None:
         """Drops what was closed half-way."""

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, Mesh, Shape, ShapeError
+from idviewer.core import Distance, Mesh, Shape, ShapeError, Spectrum
 from idviewer.core.distances.spectral import percentage
 from idviewer.core.equations import extent
 from idviewer.core.preview import (
@@ -70,10 +70,9 @@ class Previews:
             return None
         return self._prepared.latest
 
-    @property
-    def shown(self) -> bool:
-        """Whether there is a preview."""
-        return self._prepared is not None
+    def spectrum_of(self, shape: Shape) -> Spectrum | None:
+        """The coarse eigenpairs, while a shape has a preview."""
+        return self._preview.spectrum if self._shape is shape and self._preview is not None else None
 
     def drop(self) -> None:
         """Forget what is half done."""

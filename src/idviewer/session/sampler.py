@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,7 +49,6 @@ class Sampler:
         wide, small = solver.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
         self.exact_always = wide or small or not solver.approximates
         self.ready = self.exact_always
-        self._weights = np.empty(0) if self.exact_always else solver.error_weights(extremes(solver))
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
         self._scales = np.stack([one.scale * np.ones(solver.basis.shape[1]) for one in common], axis=1)
         self._radii = self._radii_of(solver.basis)
@@ -57,6 +57,11 @@ class Sampler:
             solver.basis[:: max(1, len(solver.basis) // 500)], axis=0
         )
         self._columns = np.flatnonzero(sizes >= TELLING * sizes.max())
+
+    @cached_property
+    def _weights(self) -> Floats:
+        # Not needed where all that is shown was sampled before.
+        return self.solver.error_weights(extremes(self.solver))
 
     def telling(self, rows: Floats) -> Floats:
         """Of rows (p, k), scaled, the columns that make up most of the solver's own distance."""
@@ -82,6 +87,8 @@ class Sampler:
 
     def prepare_steps(self) -> Generator[float, None, None]:
         """What sampling needs; goes on where it was left, yields the share done every few milliseconds."""
+        if not self.ready:
+            yield 0.0  # before the first step, which is long
         while not self.ready:
             try:
                 share = next(self._preparation)

@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 
 from idviewer.core import Diffusion, Plane, Polygon, Shape
 from idviewer.core.distances import missing, with_defaults
-from idviewer.core.plane import AXES
 from idviewer.core.rays import Ray
+from idviewer.session.opening import default_plane
 from idviewer.session.picking import FramePicker, Probe, Target, pick
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Runner, Work
 from idviewer.session.signal import Signal
+from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -43,9 +44,11 @@ class Session:
     Args:
         post: has a callable run in the owner's thread; called from the compute thread.
         work: answers requests in the compute thread; a `Pipeline` by default.
+        cache: where that keeps eigenpairs; None for nowhere.
 
     Attributes:
         state: the shape, the query and the display.
+        cache: where eigenpairs are kept from one run to the next; None for nowhere.
         frame: the last frame of this shape; None until there is one. While vertices are dragged, its shape
             may still be the one before.
         ready: modes and barycentroid of this shape; None until they are known.
@@ -59,7 +62,8 @@ class Session:
         acted: Signal(verb, arguments) for each call that a recording should hold.
     """
 
-    def __init__(self, post: Post, work: Work | None = None) -> None:
+    def __init__(self, post: Post, work: Work | None = None, cache: SpectrumCache | None = None) -> None:
+        self.cache = cache
         self.state = State()
         self.frame: Frame | None = None
         self.ready: Ready | None = None
@@ -73,7 +77,7 @@ class Session:
         """The shape that was opened, and what became of it by moving its vertices."""
         self._cancelled = False
         self._closed = False
-        self._runner = Runner(work or Pipeline(previews=True).results, self._receive, post)
+        self._runner = Runner(work or Pipeline(cache, previews=True).results, self._receive, post)
 
     def open(self, path: str | Path, component: int | None = None) -> None:
         """Read a shape in the compute thread and show it; on failure everything stays as it was."""
@@ -264,16 +268,6 @@ class Session:
     def _finish(self) -> None:
         self.busy = False
         self.progressed.emit(None)
-
-
-def default_plane(shape: Shape) -> Plane:
-    """The plane through the middle of a shape's bounding box, across its shortest side: the broadest view.
-
-    Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
-    """
-    axis = list(AXES)[int(np.argmin(np.ptp(shape.bounds, axis=0)))]
-    plane = Plane.along(axis, 0.5, shape.bounds)
-    return Plane(plane.origin, (0.0, -1.0, 0.0)) if axis == "y" else plane
 
 
 def point_of(values: object) -> Point:

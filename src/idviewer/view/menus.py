@@ -29,6 +29,8 @@ MENUS: dict[str, tuple[Entry, ...]] = {
         LINE,
         Entry("picture", "&Save picture…", "Ctrl+S"),
         LINE,
+        Entry("clear_cache", "&Clear cache"),
+        LINE,
         Entry("quit", "&Quit", "Ctrl+Q"),
     ),
     "&Edit": (

@@ -19,6 +19,9 @@ PATIENCE = 150
 
 PREVIEW_STYLE = "QLabel { background: #fdf0c8; color: #20242a; padding: 1px 6px; border-radius: 3px; }"
 
+TOLD = 6000
+"""Milliseconds for which the line says what was done."""
+
 HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
 FLAT_HINT = "Click to put the source there; drag a vertex to reshape the polygon; F1 for more"
 EMPTY_HINT = "Open a mesh or a polygon with Ctrl+O, or drop a file here"
@@ -124,6 +127,10 @@ class StatusLine(QStatusBar):
         self.button.setText("Compute again")
         self.stage.show()
         self.button.show()
+
+    def tell(self, text: str) -> None:
+        """Says what was done, for some seconds."""
+        self.showMessage(text, TOLD)
 
     def show_probe(self, text: str) -> None:
         """What is under the cursor."""

@@ -16,7 +16,7 @@ from idviewer.core.rays import Ray
 from idviewer.core.samples import sample_names, sample_path
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, QueryError, State
-from idviewer.view import dialogs, images
+from idviewer.view import clearing, dialogs, images
 from idviewer.view.dialogs import PictureRequest
 from idviewer.view.flat import is_flat
 from idviewer.view.help import HelpSheet
@@ -52,6 +52,7 @@ class MainWindow(QMainWindow):
         self._lay_out()
         samples = {title: sample_names(dimension) for title, dimension in SAMPLES.items()}
         self.actions_by_name = fill_menu_bar(self, self._calls(), samples, self._open_sample)
+        clearing.show_size(self.actions_by_name["clear_cache"], session.cache)
         self.viewport.clicked.connect(session.click)
         self.viewport.pointed.connect(lambda point: session.set(source=tuple(point.tolist())))
         self.viewport.reshaped.connect(self._reshaper.move)
@@ -99,6 +100,7 @@ class MainWindow(QMainWindow):
         return {
             "open": self.ask_for_shape,
             "picture": self.ask_for_picture,
+            "clear_cache": lambda: clearing.clear(session.cache, self.status.tell),
             "quit": self.close,
             "undo": self._reshaper.undo,
             "redo": self._reshaper.redo,
