@@ -11,7 +11,7 @@ from tests.session.bodies import Desk, egg
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Polygon, PolygonError, write_polygon
 from idviewer.core.polygon import Polygon as Shape
 from idviewer.core.rays import Ray
-from idviewer.session import pipeline as pipeline_module
+from idviewer.session import kernels as kernels_module
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.record import Recorder, replay
 from idviewer.session.state import FLAT, Frame, FrameRequest, Query
@@ -161,7 +161,7 @@ def test_the_barycentroid_before_counts_only_where_it_is_inside():
 
 def test_kernels_are_looked_at_once_when_their_coordinates_are_first_asked_for(monkeypatch):
     looked = []
-    monkeypatch.setattr(pipeline_module, "compile_steps", lambda *asked: looked.append(asked) or iter(()))
+    monkeypatch.setattr(kernels_module, "compile_steps", lambda *asked: looked.append(asked) or iter(()))
     pipeline = Pipeline()
     for step in range(3):
         list(pipeline.results(FrameRequest(BLOB.with_vertices(moved(0, (0.1 * step, 0.0))), Query())))
