@@ -8,7 +8,7 @@ from tests.session.bodies import Desk
 
 from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, preview, read_mesh, sample_path
 from idviewer.core._krylov_spectrum import RESIDUAL
-from idviewer.session import eigenpairs as eigenpairs_module
+from idviewer.session import eigenpairs as eigenpairs
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready
 
@@ -77,10 +77,8 @@ def test_values_are_within_the_error_that_a_preview_states(mesh):
 
 def test_a_plane_moved_while_refining_is_answered_and_nothing_starts_anew(mesh, monkeypatch):
     begun = []
-    steps = eigenpairs_module.eigenpair_steps
-    monkeypatch.setattr(
-        eigenpairs_module, "eigenpair_steps", lambda *asked: begun.append(asked) or steps(*asked)
-    )
+    steps = eigenpairs.eigenpair_steps
+    monkeypatch.setattr(eigenpairs, "eigenpair_steps", lambda *asked: begun.append(asked) or steps(*asked))
     pipeline = Pipeline(previews=True)
     results = pipeline.results(FrameRequest(mesh, Query((plane_at(mesh, 0.5),))))
     while not (isinstance(one := next(results), Progress) and one.stage == STAGES[-1] and one.share):
