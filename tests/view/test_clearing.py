@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,18 +10,12 @@ from pytestqt.qtbot import QtBot
 from tests.view.mouse import Mouse
 from tests.view.windows import Gate, show_window, wait_until_done, write_ellipsoid
 
+from idviewer.core.samples import sample_path
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.view.window import MainWindow
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def mouse(qtbot: QtBot) -> Iterator[Mouse]:
-    mouse = Mouse(qtbot)
-    yield mouse
-    mouse.close()
 
 
 @pytest.fixture
@@ -78,7 +71,7 @@ def test_without_a_cache_it_says_why_it_does_nothing(qtbot: QtBot) -> None:
 
 
 def test_a_damaged_file_is_a_note_in_the_window(qtbot: QtBot, tmp_path: Path) -> None:
-    path, cache = write_ellipsoid(tmp_path), SpectrumCache(tmp_path / "cache", worth=0.0)
+    path, cache = sample_path("hand_2k"), SpectrumCache(tmp_path / "cache", worth=0.0)
 
     def note() -> str:
         window = show_window(qtbot, Pipeline(cache).results)

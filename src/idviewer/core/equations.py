@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+ENOUGH = 5000
+"""So many of a shape's vertices tell how far the farthest two are apart; a little less is the safe side."""
+
 
 def by_gram(differences: Floats, columns: Floats) -> Floats:
     """Eq. 2: sqrt(z^T A z) of each row z = w(p) - w(q) of (p, n), with A = Y Y^T applied, never formed.
@@ -98,3 +101,17 @@ def extent(points: Floats) -> float:
         distances = np.linalg.norm(points - farthest, axis=1)
         farthest = points[np.argmax(distances)]
     return float(distances.max())
+
+
+def column_weights(basis: Floats, scales: Iterable[Floats]) -> Floats:
+    """What an error of each column of a basis (n, k) counts, (k,), in largest distances between its points.
+
+    Args:
+        basis: before it is scaled.
+        scales: (k,) for each of the distances; the one counts with which an error is largest.
+
+    >>> column_weights(np.array([[0.0, 0.0], [4.0, 1.0]]), [np.array([1.0, 0.0])]).tolist()
+    [0.25, 0.0]
+    """
+    some = basis[:: max(1, len(basis) // ENOUGH)]
+    return np.max([np.abs(scale) / extent(some * scale) for scale in scales], axis=0)

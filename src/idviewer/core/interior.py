@@ -15,7 +15,7 @@ from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.embedding import EmbeddedBoundary
-from idviewer.core.equations import by_expansion, by_form_steps, by_gram, by_squares, extent
+from idviewer.core.equations import by_expansion, by_form_steps, by_gram, by_squares, column_weights
 from idviewer.core.shape import Shape, as_pairs, as_points
 from idviewer.core.spectrum import Spectrum
 from idviewer.core.steps import finish
@@ -114,10 +114,7 @@ class InteriorDistance(EmbeddedBoundary):
         return other
 
     def with_coordinates(self, name: str) -> InteriorDistance:
-        """The same embedded boundary with other coordinates.
-
-        Args:
-            name: of the coordinates of the result.
+        """The same embedded boundary with the coordinates of that name.
 
         Raises:
             ValueError: there are none of that name, or they do not work in the shape's dimension.
@@ -163,8 +160,8 @@ class InteriorDistance(EmbeddedBoundary):
         Args:
             distances: others with the same basis that samples are to serve as well.
         """
-        scales = [self.scale, *(distance.scale(self._spectrum) for distance in distances)]
-        return np.max([np.abs(scale) / extent(self.basis * scale) for scale in scales], axis=0)
+        scales = (self.scale, *(distance.scale(self._spectrum) for distance in distances))
+        return column_weights(self.basis, scales)
 
     @property
     def approximates(self) -> bool:
@@ -179,9 +176,7 @@ class InteriorDistance(EmbeddedBoundary):
             self._approximations[key] = self.coordinates.approximation(self.basis, full)
         return self._approximations[key]
 
-    @cached_property
-    def _own_weights(self) -> Floats:
-        return self.error_weights()
+    _own_weights = cached_property(error_weights)
 
     def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
         """Interior distance by eq. 1, |p* - q*|; where the distance knows a way past p*, by that.

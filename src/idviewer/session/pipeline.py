@@ -123,9 +123,9 @@ class Pipeline:
                 yield from self._refined(prepared, replace(query, planes=(prepared.opened,)))
         yield from self._refined(prepared, query)
         yield from self._keep_opening(prepared, query)
-        # After a first view that was kept there is nothing yet to sample others with.
+        # For slices to come, which somebody now has time to wait for.
         yield from self._kernels.steps(query.coordinates, request.shape)
-        yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps())
+        yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps(True))
 
     def _refined(self, prepared: Prepared, query: Query) -> Results:
         """The frames of a query whose shape is prepared."""

@@ -88,12 +88,13 @@ class Sampled:
         return remarks_on(self.solver.coordinates)
 
     def row_steps(self, point: Point, rtol: float = 0.0) -> Generator[None, None, Floats]:
-        """The basis at a point, (k,), before it is scaled; exact unless that takes time and rtol is given.
+        """The basis at a point, (k,), before it is scaled; exact unless rtol is given and saves time.
 
         Raises:
             QueryError: the point lies outside the shape, or has no weights.
         """
-        if rtol and not self.is_exact(point):
+        # Until all is prepared, getting ready for a tolerance takes longer than an exact row.
+        if rtol and self.sampler.complete and not self.is_exact(point):
             return self._row(point, rtol)
         if point not in self._points:
             yield

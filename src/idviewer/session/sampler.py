@@ -22,7 +22,7 @@ COARSE, FINE = 2.5e-3, 3.5e-4
 """Tolerances of samples, in largest distances on the slice."""
 
 LOOSEST = 1.9e-3
-"""A larger tolerance would take one more tree, and its memory, and save little."""
+"""A larger tolerance would take one more tree, and its memory, and save little. One serves down to `FINE`."""
 
 WIDE = 400
 """Columns from which on the moments of clusters take more memory and time than they save."""
@@ -48,7 +48,7 @@ class Sampler:
         self.solver = solver
         wide, small = solver.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
         self.exact_always = wide or small or not solver.approximates
-        self.ready = self.exact_always
+        self.ready = self.complete = self.exact_always
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
         self._scales = np.stack([one.scale * np.ones(solver.basis.shape[1]) for one in common], axis=1)
         self._radii = self._radii_of(solver.basis)
@@ -85,23 +85,36 @@ class Sampler:
         ratio = float((self._radii_of(some) / self._radii).min())
         return float(np.clip(share * ratio, FINEST, LOOSEST))
 
-    def prepare_steps(self) -> Generator[float, None, None]:
-        """What sampling needs; goes on where it was left, yields the share done every few milliseconds."""
-        if not self.ready:
+    def prepare_steps(self, completely: bool = False) -> Generator[float, None, None]:
+        """What sampling needs; goes on where it was left, yields the share done every few milliseconds.
+
+        Args:
+            completely: also what only slices need whose distances are small, which takes as long again.
+        """
+        if not self._has_prepared(completely):
             yield 0.0  # before the first step, which is long
-        while not self.ready:
+        while not self._has_prepared(completely):
             try:
                 share = next(self._preparation)
             except StopIteration:
-                self.ready = True
                 return
             except Exception:
                 self._preparation = self._prepare()
                 raise
             yield share
 
+    def _has_prepared(self, completely: bool) -> bool:
+        return self.complete if completely else self.ready
+
     def _prepare(self) -> Generator[float, None, None]:
-        point, tolerances = in_space(self.solver.shape.vertices[:1]), (LOOSEST, FINE, FINEST)
+        yield from self._prepare_for(LOOSEST, FINE)
+        self.ready = True
+        yield 1.0
+        yield from self._prepare_for(FINEST)
+        self.complete = True
+
+    def _prepare_for(self, *tolerances: float) -> Generator[float, None, None]:
+        point = in_space(self.solver.shape.vertices[:1])
         for done, rtol in enumerate(tolerances):
             for share in self.sample_steps(point, rtol):
                 yield (done + min(share, 1.0)) / len(tolerances)
