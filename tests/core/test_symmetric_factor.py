@@ -9,7 +9,7 @@ from scipy.spatial import Delaunay
 
 from idviewer.core._kernels.columns import group_columns
 from idviewer.core.block_lanczos import BLOCK, BlockLanczos, orthonormal
-from idviewer.core.dissection import SEPARATOR, dissect
+from idviewer.core.dissection import OFF_MIDDLE, SEPARATOR, dissect
 from idviewer.core.symmetric_factor import SymmetricFactor
 
 
@@ -44,7 +44,7 @@ def test_separators_come_after_what_they_separate(rng):
     order, path = dissect(points, edges)
     first = path[order, 0]
     assert (np.diff(first) >= 0).all()
-    assert 0.4 < np.mean(first == 0) < 0.52
+    assert abs(np.mean(first == 0) - 0.5) < OFF_MIDDLE + 0.05
     assert (first == SEPARATOR).sum() < 4 * np.sqrt(1000)
 
 

@@ -79,9 +79,11 @@ class BlockLanczos:
         yield
 
     def ritz_pairs(self) -> tuple[Floats, Floats, Floats]:
-        """Approximate positive eigenvalues of A, their coefficients (size, k), and relative residuals.
+        """Approximate positive eigenvalues of A, their coefficients (size, k), and residuals.
 
-        They are in ascending order. Those of A above the shift cannot lie above their approximations.
+        They are in ascending order. Those of A above the shift cannot lie above their approximations. The
+        residuals are |C x - theta x| / theta of the inverse C, for eigenvalues much smaller than the shift
+        times |lambda - shift| / lambda, which is what an error of theta becomes in lambda.
         """
         thetas, coefficients = np.linalg.eigh(0.5 * (self._projected + self._projected.T))
         with np.errstate(divide="ignore"):
@@ -90,7 +92,9 @@ class BlockLanczos:
         order = order[np.searchsorted(values[order], 0.0, side="right") :]
         order = order[np.isfinite(values[order])]
         residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:, order], axis=0)
-        return values[order], coefficients[:, order], residuals / np.abs(thetas[order])
+        inverse = np.abs(thetas[order])
+        residuals /= inverse * np.minimum(1.0, inverse * values[order])
+        return values[order], coefficients[:, order], residuals
 
     def vectors(self, coefficients: Floats) -> Floats:
         """Vectors (n, k) of the space from their coefficients (size, k)."""

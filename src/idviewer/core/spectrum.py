@@ -49,7 +49,7 @@ class Spectrum:
         values: (k,) eigenvalues in ascending order, 1 / unit^2; values[0] is the paper's lambda_2.
         vectors: (n, k) eigenvectors, one column each, with vectors^T M vectors = 1.
         masses: (n,) the diagonal of M: mixed Voronoi areas of a mesh, lengths of a polygon.
-        residual: the largest residual |C x - theta x| / theta of the shift-inverted problem.
+        residual: the largest relative residual of an eigenvalue, see `BlockLanczos.ritz_pairs`.
         bound: every eigenvalue below it is among the values; infinite where the shape has no others.
     """
 
@@ -86,7 +86,7 @@ def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) ->
         cutoff: from lambda_2 to the bound of the eigenvalues kept.
 
     Returns:
-        The spectrum; eigenvalues have relative errors below 1e-10.
+        The spectrum; eigenvalues have relative errors below 1e-9.
 
     Raises:
         ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError),
