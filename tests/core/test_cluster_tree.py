@@ -122,6 +122,7 @@ def test_distances_are_within_rtol_of_the_largest(rng):
         assert np.abs(errors).max() < rtol * largest
 
 
+@pytest.mark.slow
 def test_the_tree_is_what_answers(rng):
     """Not the exact loop behind it: all points of a smooth body pass the check at once."""
     mesh = BODIES["bumpy sphere"]
@@ -141,6 +142,7 @@ def carried(tree: ClusterTree, points: np.ndarray, tolerance: float, bound: floa
     return values, doubtful
 
 
+@pytest.mark.slow
 def test_the_check_finds_a_tree_that_is_too_coarse(rng):
     mesh = BODIES["torus"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)
@@ -192,6 +194,7 @@ def test_points_outside_are_nan_wherever_they_are(rng):
     assert np.isnan(finish(approximation.interpolate_steps(points, 1e-3))).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-9, 1e9])
 def test_size_and_place_do_not_matter(size, rng):
     mesh = BODIES["bumpy sphere"]
@@ -206,6 +209,7 @@ def test_size_and_place_do_not_matter(size, rng):
     )
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 700])
 def test_any_number_of_points(count, rng):
     mesh = BODIES["bumpy sphere"]
@@ -226,6 +230,7 @@ def test_columns_that_count_nothing_are_left_out(rng):
     assert (near[:, :5] != 0.0).all()
 
 
+@pytest.mark.slow
 def test_what_serves_several_distances_counts_the_worst_of_them():
     solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
     short = Diffusion(time=solver.distance_kind.resolved_time(solver.spectrum) / 8)
@@ -234,6 +239,7 @@ def test_what_serves_several_distances_counts_the_worst_of_them():
     assert both[-1] > 1000 * own[-1]
 
 
+@pytest.mark.slow
 def test_building_and_evaluating_can_be_left_at_any_step(rng):
     mesh = BODIES["torus"]
     values, points = values_on(mesh, rng), inner_points(mesh, rng, 300)

@@ -35,6 +35,7 @@ def solver_of(name: str, kind: str) -> InteriorDistance:
     return InteriorDistance(body, complete(kind, body.vertices))
 
 
+@pytest.mark.one_is_quick
 @SHAPES
 @pytest.mark.parametrize("kind", DISTANCES)
 @BY_ALL_COORDINATES
@@ -65,6 +66,7 @@ def test_all_go_together(name, kind, coordinates, rng):
     assert solver.description.startswith(solver.distance_kind.title)
 
 
+@pytest.mark.one_is_quick
 @SHAPES
 @pytest.mark.parametrize("kind", DISTANCES)
 def test_no_points_give_no_distances(name, kind):

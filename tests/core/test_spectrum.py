@@ -70,6 +70,7 @@ def test_the_spectrum_is_that_of_a_dense_solver(monkeypatch):
         np.testing.assert_allclose(eigenpairs(mesh).values, expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_eigenvectors_solve_the_equation_and_are_orthonormal(sphere):
     spectrum = eigenpairs(sphere)
     gram = spectrum.vectors.T @ (spectrum.masses[:, None] * spectrum.vectors)
@@ -142,6 +143,7 @@ def test_the_paper_s_cut_off_keeps_modes_above_one_millionth():
     assert np.exp(-paper_cutoff(0.37) / (8 * 0.37)) == pytest.approx(1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-9, 1e6])
 def test_size_scales_the_spectrum(scale):
     mesh = stretched(4)
