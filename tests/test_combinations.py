@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.session.bodies import egg
+from tests.session.bodies import egg, few_samples  # noqa: F401
 from tests.session.test_session import write_off
 
 from idviewer.cli import main
