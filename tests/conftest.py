@@ -64,6 +64,18 @@ def own_caches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks as slow all but the first of a test's parameters where one of them is enough for `make check`."""
+    met: set[str] = set()
+    for item in items:
+        if item.get_closest_marker("one_is_quick") and not item.get_closest_marker("slow"):
+            test = item.nodeid.partition("[")[0]
+            if test in met:
+                item.add_marker(pytest.mark.slow)
+            met.add(test)
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run and every test."""

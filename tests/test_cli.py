@@ -94,6 +94,7 @@ def refused(answer: Answer) -> str:
 
 
 class TestDistance:
+    @pytest.mark.slow
     def test_two_points(self, run: Run, body: str) -> None:
         answer = run("distance", body, "--from", INSIDE, "--to", "0.5,0,1")
         assert answer.status == 0
@@ -114,6 +115,7 @@ class TestDistance:
         told = json.loads(run("distance", body, *ends, "--distance", "euclidean", "--json").out)
         assert told["interior"] == pytest.approx(told["euclidean"], rel=1e-12)
 
+    @pytest.mark.one_is_quick
     @pytest.mark.parametrize("header", ["", "x,y,z\n", "\ufeffX, y, z\r\n"])
     def test_many_points(self, run: Run, body: str, table: Callable[[str], str], header: str) -> None:
         points = table(header + "0.1,0.2,0.3\n\n-0.3,0.1,2.5\n")
@@ -127,6 +129,7 @@ class TestDistance:
         )
         assert numbers[0][3] == pytest.approx(pair["interior"], rel=1e-9)
 
+    @pytest.mark.slow
     def test_many_points_from_the_barycentroid_as_json(
         self, run: Run, body: str, table: Callable[[str], str]
     ) -> None:
@@ -189,6 +192,7 @@ class TestDistance:
 
 
 class TestKindsOfDistance:
+    @pytest.mark.one_is_quick
     @pytest.mark.parametrize("verb", ["render", "distance", "barycentroid"])
     def test_all_are_in_the_help(self, run: Run, verb: str) -> None:
         told = " ".join(run(verb, "--help").out.split())
@@ -196,6 +200,7 @@ class TestKindsOfDistance:
             assert name in told
         assert "--time" in told
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["gps", "biharmonic"])
     def test_the_same_as_in_the_library(self, run: Run, body: str, name: str) -> None:
         ends = ("--from", INSIDE, "--to", "0.5,0,1", "--distance", name, "--json")
@@ -205,6 +210,7 @@ class TestKindsOfDistance:
         assert told["distance"] == name
         assert "time" not in told
 
+    @pytest.mark.slow
     def test_a_time(self, run: Run, body: str) -> None:
         ends = ("--from", INSIDE, "--to", "0.5,0,1", "--json")
         default = json.loads(run("distance", body, *ends).out)
@@ -214,11 +220,13 @@ class TestKindsOfDistance:
         assert longer["time"] == 4 * default["time"]
         assert longer["interior"] < default["interior"], "heat that flows longer brings points nearer"
 
+    @pytest.mark.slow
     def test_a_time_in_words_and_in_a_barycentroid(self, run: Run, body: str) -> None:
         answer = run("distance", body, "--from", INSIDE, "--to", "0.5,0,1", "--time", "0.5")
         assert "(Diffusion distance, t = 0.5)" in answer.out
         assert json.loads(run("barycentroid", body, "--json", "--time", "0.5").out)["time"] == 0.5
 
+    @pytest.mark.one_is_quick
     @pytest.mark.parametrize(
         ("options", "part"),
         [
@@ -258,6 +266,7 @@ class TestParameters:
             for name in parameters_of(kind):
                 assert f" {name}: " in told
 
+    @pytest.mark.slow
     def test_given_distances_and_embeddings(self, run: Run, body: str, arrays: Path) -> None:
         for name, file in (("matrix", "d.npy"), ("embedding", "e.npy")):
             given = ("--distance", name, "--set", f"{name}={arrays / file}")
@@ -265,6 +274,7 @@ class TestParameters:
             assert told["interior"] == pytest.approx(told["euclidean"], rel=1e-6)
             assert told[name] == str(arrays / file)
 
+    @pytest.mark.slow
     def test_parameters_of_every_kind(self, run: Run, body: str) -> None:
         for options, part in (
             (
@@ -289,6 +299,7 @@ class TestParameters:
         pair = json.loads(run("distance", body, *self.ENDS, "--distance", "commute", "--json").out)
         assert told["interior"][1] == pytest.approx(pair["interior"], rel=1e-9)
 
+    @pytest.mark.one_is_quick
     @pytest.mark.parametrize(
         ("options", "part"),
         [
@@ -344,6 +355,7 @@ class TestPolygons:
         assert rows[0] == ["x", "y", "distance"]
         assert [float(row[2]) for row in rows[1:]] == pytest.approx([0.0, 2.0], abs=1e-12)
 
+    @pytest.mark.slow
     def test_barycentroid(self, run: Run, corner: str) -> None:
         told = json.loads(run("barycentroid", corner, *QUICK, "--json").out)
         # Of the Euclidean distance it is the mean of the boundary: each side's middle by its length.
@@ -458,6 +470,7 @@ class TestCoordinates:
         for name, kind in COORDINATES.items():
             assert f" {name} {kind.title}" in told
 
+    @pytest.mark.slow
     def test_the_same_as_in_the_library(self, run: Run, body: str) -> None:
         values = set()
         for name in COORDINATES:
@@ -476,6 +489,7 @@ class TestCoordinates:
         told = refused(run(verb, "no-such-shape", *more, "--coordinates", "wachspress"))
         assert "--coordinates wachspress: there are no such coordinates; there are: mean_value, " in told
 
+    @pytest.mark.slow
     def test_points_without_weights_are_told_in_one_line(
         self, run: Run, body: str, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -490,12 +504,14 @@ class TestCoordinates:
 
 
 class TestBarycentroid:
+    @pytest.mark.slow
     def test_in_words(self, run: Run, body: str) -> None:
         answer = run("barycentroid", body)
         place, potential = (line.split()[1] for line in answer.out.splitlines())
         assert words.point_of(place, "--source") == pytest.approx((0, 0, 0), abs=0.05)
         assert 0 < float(potential) < 1
 
+    @pytest.mark.slow
     def test_as_json(self, run: Run, body: str) -> None:
         told = json.loads(run("barycentroid", body, "--json", "--distance", "euclidean").out)
         assert told["distance"] == "euclidean"
@@ -545,6 +561,7 @@ class TestInfo:
         told = refused(run("barycentroid", open_box))
         assert "open.off: 4 boundary edges in 1 loop, near" in told
 
+    @pytest.mark.slow
     def test_repairs_are_told(self, run: Run, body: str, tmp_path: Path) -> None:
         lines = Path(body).read_text().splitlines()
         vertices, faces, edges = map(int, lines[1].split())
@@ -592,6 +609,7 @@ class TestRender:
             assert len(picture.getcolors(1 << 16)) > 100
         assert [path.name for path in Path.cwd().iterdir()] == ["out.png"]
 
+    @pytest.mark.slow
     def test_every_option(self, run: Run, body: str) -> None:
         asked = "--source -0.3,0.1,0.2 --plane x=0.4 --plane -0.1,0,0/0,-1,1 --quantity potential"
         asked += " --distance euclidean"
@@ -601,6 +619,7 @@ class TestRender:
             assert (picture.size, picture.mode) == ((200, 150), "RGBA")
             assert picture.getpixel((0, 0))[3] == 0
 
+    @pytest.mark.one_is_quick
     @pytest.mark.parametrize(
         ("options", "part"),
         [
@@ -837,6 +856,7 @@ class TestProgram:
         monkeypatch.setattr(words, "path_of", exhaust)
         assert "not enough memory" in refused(run("info", "hand"))
 
+    @pytest.mark.slow
     def test_a_reader_that_leaves(self, body: str) -> None:
         reader, writer = os.pipe()
         os.close(reader)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.session.bodies import egg
+from tests.session.bodies import egg, few_samples  # noqa: F401
 from tests.session.test_session import write_off
 
 from idviewer.cli import main
@@ -41,10 +41,10 @@ def file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     if request.param == 2:
         star = read_shape(sample_path("star"))
         assert isinstance(star, Polygon)
-        shape = star.resampled(60)
+        shape = star.resampled(30)
         write_polygon(shape, path)
     else:
-        shape = egg(2)
+        shape = egg(1)
         assert isinstance(shape, Mesh)
         write_off(path, shape)
     vertices = read_shape(path).vertices

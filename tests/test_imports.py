@@ -47,11 +47,13 @@ def run_without(modules: tuple[str, ...], code: str) -> subprocess.CompletedProc
     return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
 
 
+@pytest.mark.slow
 def test_core_and_session_know_neither_window_nor_renderer() -> None:
     done = run_without(QT + RENDERER + COMMAND_LINE, EVERYTHING_IN)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_help_loads_nothing_heavy() -> None:
     done = run_without((), HELP_LOADS)
     assert done.returncode == 0, done.stderr

@@ -21,7 +21,7 @@ from figures.boundaries import (
     smooth_blob,
 )
 from figures.registry import Run, Table, figure
-from figures.shapes import HANDS, bundled, made_hand, moved, noisy_body, within_plane
+from figures.shapes import HANDS, body, in_pose, made_hand, moved, noisy_body, within_plane
 from figures.words import percent
 from idviewer.core import InteriorDistance, Mesh, Polygon, mean_value_weights, read_polygon, sample_path
 from idviewer.session import Query
@@ -52,7 +52,8 @@ def cases(tiny: bool) -> list[Case]:
     blob, ginger = read_polygon(sample_path("blob")), read_polygon(sample_path("gingerbread"))
     bends = [(name, [carried(blob, by)], by) for name, by in DEFORMATIONS.items() if name != REST]
     poses = [(name, [carried(ginger, posed(name))], posed(name)) for name in FIGURE_POSES if name != REST]
-    return [Case(smooth, noise), Case(blob, bends), Case(ginger, poses)]
+    few = 1 if tiny else None
+    return [Case(smooth, noise[:few]), Case(blob, bends[:few]), Case(ginger, poses[:few])]
 
 
 @figure("12", "U and the barycentroid in 2D")
@@ -64,7 +65,7 @@ def potential(run: Run) -> Table:
         drawn = [case.rest, *(polygons[0] for _, polygons, _ in case.done)]
         cells += [partial(show_potential, run=run, polygon=polygon) for polygon in drawn]
         rows += [[name, *moves(case.rest, polygons, by)] for name, polygons, by in case.done]
-    flat.draw_rows(run, "12", titles, cells)
+    flat.draw_rows(run, "12", titles, cells, len(cells) // 3)
     header = ("what was done", "barycentroid strays", "centre of area strays", "centre of area inside")
     note = (
         "As a share of the diameter, from where the same point would have gone with the deformation; "
@@ -75,11 +76,11 @@ def potential(run: Run) -> Table:
 
 def moves(rest: Polygon, polygons: list[Polygon], by: Map | None) -> list[str]:
     """How far barycentroid and centre of area stray, and how often the latter lies inside."""
-    size, strayed = diameter(rest.vertices), []
+    size = diameter(rest.vertices)
     due = [middle if by is None else by(middle[None])[0] for middle in middles(rest)]
-    for polygon in polygons:
-        strayed.append(np.linalg.norm(np.subtract(middles(polygon), due), axis=1) / size)
-    inside = all(polygon.contains(middles(polygon)[1][None])[0] for polygon in polygons)
+    found = [middles(polygon) for polygon in polygons]
+    strayed = [np.linalg.norm(np.subtract(each, due), axis=1) / size for each in found]
+    inside = all(each.contains(area[None])[0] for each, (_, area) in zip(polygons, found, strict=True))
     return [*map(percent, np.mean(strayed, axis=0).tolist()), "yes" if inside else "**no**"]
 
 
@@ -106,12 +107,12 @@ def centre_of_area(filling: flat.Filling) -> Floats:
 @figure("13", "U in bodies")
 def potential_in_bodies(run: Run) -> Table:
     """Isolines of U on slices through the barycentroid, also under noise and in another pose."""
-    hand, human = bundled(run.body("hand")), bundled(run.body("human"))
+    hand, human = body(run, "hand"), body(run, "human")
     bodies = {
         "hand": (hand, hand, solid.FRONT),
         "hand, with noise": (hand, noisy_body(hand, ROUGH), solid.FRONT),
         "human": (human, human, solid.FRONT),
-        "human, walking": (human, bundled(run.body("human_walking")), solid.FRONT),
+        "human, walking": (human, in_pose(run, "human", "human_walking"), solid.FRONT),
     }
     pictures, rows = [], []
     for name, (rest, mesh, normal) in bodies.items():
@@ -140,19 +141,19 @@ def strays(rest: Mesh, mesh: Mesh, before: Floats, after: Floats) -> float:
 
 def human_poses(run: Run) -> list[tuple[str, Mesh]]:
     """The bundled poses, and one bent smoothly."""
-    standing = bundled(run.body("human"))
+    standing = body(run, "human")
     sideways = within_plane(bent(lambda points: points, 0.98, 1.38, np.radians(38)), Z, X)
     return [
         ("standing", standing),
-        ("walking", bundled(run.body("human_walking"))),
-        ("sitting", bundled(run.body("human_sitting"))),
+        ("walking", in_pose(run, "human", "human_walking")),
+        ("sitting", in_pose(run, "human", "human_sitting")),
         ("leaning", moved(standing, sideways)),
     ]
 
 
 def cat_poses(run: Run) -> list[tuple[str, Mesh]]:
     """The bundled cat, and bent smoothly: its spine, its neck and its tail."""
-    cat = bundled(run.body("cat"))
+    cat = body(run, "cat")
     spine = within_plane(bent(lambda points: points, -0.10, 0.22, np.radians(60)), Y, X)
     tail = within_plane(shifted(bent(lambda points: points, 0.26, 0.5, np.radians(75)), 0.3), Y, Z)
     return [
@@ -180,14 +181,15 @@ def nodding(points: Floats) -> Floats:
 @figure("14", "the barycentroid over poses and in a class")
 def barycentroid(run: Run) -> Table:
     """Two bodies in four poses each, and four members of a class."""
-    step, count = (0.5, 1200) if run.tiny else (0.15, 5000)
-    hands = [(name, made_hand(name, step, count)) for name in HANDS]
+    step, count = (0.6, 300) if run.tiny else (0.15, 5000)
+    hands = [(name, made_hand(name, step, count)) for name in list(HANDS)[: 2 if run.tiny else None]]
     pictures, titles, rows = [], [], []
     for what, poses, normal in (
         ("human", human_poses(run), solid.FRONT),
         ("cat", cat_poses(run), solid.ABOVE),
         ("hands", hands, solid.FRONT),
     ):
+        poses = poses[:2] if run.tiny else poses
         middles, everywhere = [], np.concatenate([mesh.vertices for _, mesh in poses])
         for name, mesh in poses:
             query, facing = Query(quantity="potential"), solid.cut((0, 0, 0), normal)
@@ -196,7 +198,7 @@ def barycentroid(run: Run) -> Table:
             titles.append(name)
             middles.append(frame.barycentroid)
         rows += numbers(what, poses, middles)
-    solid.draw_rows(run, "14", titles, pictures, 4)
+    solid.draw_rows(run, "14", titles, pictures, len(pictures) // 3)
     note = (
         f"{STRAYS} Hands have no vertices in common: there it is the distance from the first one's "
         "barycentroid in the frame in which all were drawn."

@@ -7,7 +7,7 @@ import numpy as np
 from figures import flat, solid
 from figures.bending import Floats
 from figures.registry import Run, Table, figure
-from figures.shapes import bundled, inner_points, simplified
+from figures.shapes import TINY, body, bundled, inner_points, simplified
 from figures.words import number, percent
 from idviewer.core import InteriorDistance, Mesh, Plane
 from idviewer.session import Query
@@ -45,11 +45,11 @@ def six(run: Run) -> Table:
     """A slice of each, with the distance from one of its ends."""
     pictures, rows = [], []
     for name in list(BODIES)[: 3 if run.tiny else None]:
-        mesh = bundled(run.body(name))
+        mesh = body(run, name)
         plane, source = plane_and_source(mesh, name)
         pixels, frame = solid.picture(run, mesh, Query(planes=(plane,), source=source), 460)
         pictures.append(pixels)
-        rows.append([name.replace("_", ", "), f"{len(mesh.vertices):,}", *numbers(mesh, source)])
+        rows.append([name.replace("_", ", "), f"{len(mesh.vertices):,}", *numbers(run, mesh, source)])
         assert frame.exact
     solid.draw_rows(run, "8", [row[0] for row in rows], pictures, 3)
     header = (
@@ -62,10 +62,10 @@ def six(run: Run) -> Table:
     return Table(header, rows)
 
 
-def numbers(mesh: Mesh, source: tuple[float, float, float]) -> list[str]:
+def numbers(run: Run, mesh: Mesh, source: tuple[float, float, float]) -> list[str]:
     """Eigenpairs, how far values inside exceed those on the surface, and how common negative weights are."""
     solver = InteriorDistance(mesh)
-    points = inner_points(mesh, 1000)
+    points = inner_points(mesh, 50 if run.tiny else 1000)
     inside = solver.field(source, points)
     at = np.linalg.norm(solver.vertex_embedding - solver.embed([source]), axis=1)
     negative = np.nanmean(solver.negativity(points))
@@ -79,8 +79,8 @@ def numbers(mesh: Mesh, source: tuple[float, float, float]) -> list[str]:
 @figure("9", "two tessellations")
 def tessellation(run: Run) -> Table:
     """One body with 9,000 vertices and with 1,500, simplified from the finest bundled one."""
-    fine = bundled("human_2k" if run.tiny else "human_27k")
-    counts = (2400, 1500) if run.tiny else (9000, 1500)
+    fine = body(run, "human") if run.tiny else bundled("human_27k")
+    counts = (TINY - 50, TINY - 150) if run.tiny else (9000, 1500)
     meshes = [simplified(fine, count) for count in counts]
     plane, source = plane_and_source(meshes[0], "human")
     query = Query(planes=(plane,), source=source)

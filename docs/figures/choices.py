@@ -11,7 +11,7 @@ from figures import flat, solid
 from figures.bending import Floats, diameter
 from figures.bodies3d import plane_and_source
 from figures.registry import Run, Table, figure
-from figures.shapes import bundled, simplified
+from figures.shapes import bundled, tiny_body
 from figures.sources import HAND
 from figures.words import percent
 from idviewer.core import (
@@ -37,8 +37,10 @@ DISTANCES: dict[str, Distance] = {
 @figure("10", "other boundary distances")
 def boundary_distances(run: Run) -> Table:
     """Geodesic, commute time and diffusion distance carried inside a polygon and a body."""
-    polygon, mesh = read_polygon(sample_path("gingerbread")), bundled("hand_2k")
-    mesh = simplified(mesh, 700) if run.tiny else mesh
+    polygon, mesh = (
+        read_polygon(sample_path("gingerbread")),
+        tiny_body("hand") if run.tiny else bundled("hand_2k"),
+    )
     filling, rows = flat.Filling.of(polygon, run.samples), []
     drawing, axes = flat.row_of(3, 4.4, 4.5, 2)
     plane, source = plane_and_source(mesh, "hand")

@@ -42,11 +42,7 @@ class Run:
     @property
     def samples(self) -> int:
         """Points inside a 2D shape."""
-        return 300 if self.tiny else 30_000
-
-    def body(self, name: str) -> str:
-        """Which of the sizes of a bundled body to take."""
-        return f"{name}_2k" if self.tiny else name
+        return 200 if self.tiny else 30_000
 
     def save(self, drawing: Drawing, number: str) -> None:
         """Write the picture of a figure, in few bytes and either as a whole or not at all."""

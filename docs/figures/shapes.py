@@ -6,12 +6,14 @@ The makers of the bundled shapes (assets/) do the work; they need the package fa
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from figures.bending import Floats, Map
-from figures.registry import SEED
+from figures.registry import SEED, Run
 from idviewer.core import Mesh, Plane, read_mesh, sample_path, section
 from idviewer.core.plane import AXES
 from idviewer.core.slice_mesh import slice_mesh
@@ -19,6 +21,8 @@ from idviewer.core.slice_mesh import slice_mesh
 sys.path.append(str(Path(__file__).resolve().parents[2] / "assets"))
 
 LAYERS = 40
+TINY = 650
+"""Vertices of a body in a test."""
 METRES = 0.01
 """The hand is drawn in centimetres."""
 
@@ -26,6 +30,26 @@ METRES = 0.01
 def bundled(name: str) -> Mesh:
     """A bundled body."""
     return read_mesh(sample_path(name))
+
+
+def body(run: Run, name: str) -> Mesh:
+    """A bundled body, or a tiny one."""
+    return tiny_body(name) if run.tiny else bundled(name)
+
+
+@cache
+def tiny_body(name: str) -> Mesh:
+    """A bundled body with few vertices."""
+    return simplified(bundled(f"{name}_2k"), TINY)
+
+
+def in_pose(run: Run, name: str, pose: str) -> Mesh:
+    """A bundled body in another bundled pose, with the triangles that `body` gives it at rest."""
+    if not run.tiny:
+        return bundled(pose)
+    rest, posed, tiny = bundled(f"{name}_2k"), bundled(f"{pose}_2k"), tiny_body(name)
+    nearest = cKDTree(rest.vertices).query(tiny.vertices)[1]
+    return Mesh(tiny.vertices + posed.vertices[nearest] - rest.vertices[nearest], tiny.faces, name=pose)
 
 
 def simplified(mesh: Mesh, count: int) -> Mesh:

@@ -10,7 +10,7 @@ from statistics import median
 from types import ModuleType
 
 from figures.registry import Run, Table, figure
-from figures.shapes import bundled, inner_points, simplified
+from figures.shapes import TINY, bundled, inner_points, simplified, tiny_body
 from idviewer.core import InteriorDistance, Mesh
 
 PAPER = (
@@ -28,10 +28,10 @@ PAIRS, TURNS = 200, 3
 @figure("table1", "seconds by size", drawn=False)
 def seconds(run: Run) -> Table:
     """Bodies of the paper's five sizes: preparation, and the distance of a pair of points inside."""
-    fine, sizes = (bundled("human_2k"), PAPER[:1]) if run.tiny else (bundled("human_27k"), PAPER)
+    fine, sizes = (tiny_body("human"), PAPER[:1]) if run.tiny else (bundled("human_27k"), PAPER)
     rows = []
     for vertices, eigenpairs, before, each in sizes:
-        mesh = simplified(fine, 1500 if run.tiny else vertices)
+        mesh = simplified(fine, TINY - 50 if run.tiny else vertices)
         prepared, pairs, ours = measured(mesh, PAIRS if not run.tiny else 2)
         sizes_of = [f"{len(mesh.vertices):,}", f"{len(mesh.faces):,}"]
         told = [f"{ours}", f"{prepared:.2f}", f"{1e3 * median(pairs):.2f} ({1e3 * min(pairs):.2f})"]

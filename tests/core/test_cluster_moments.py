@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from tests.core.test_mean_value import bumpy_sphere
 
 from idviewer.core._kernels.clusters import CLEARANCE
@@ -11,6 +12,7 @@ from idviewer.core.cluster_tree import ClusterTree
 from idviewer.core.steps import finish
 
 
+@pytest.mark.slow
 def test_shifted_monomials_are_the_sum_of_the_table(rng):
     """(y + t)^beta, directly and by the shifts and binomials."""
     y, t = rng.normal(size=(2, 3))

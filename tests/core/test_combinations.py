@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from tests.core.property_shapes import BY_ALL_COORDINATES, inside, shape
@@ -26,41 +28,50 @@ def complete(kind: str, vertices: np.ndarray) -> Distance:
     return DISTANCES[kind](**{one: given[one] for one in missing(DISTANCES[kind]())})
 
 
+@cache
+def solver_of(name: str, kind: str) -> InteriorDistance:
+    """With mean value coordinates."""
+    body = shape(name)
+    return InteriorDistance(body, complete(kind, body.vertices))
+
+
+@pytest.mark.one_is_quick
 @SHAPES
 @pytest.mark.parametrize("kind", DISTANCES)
 @BY_ALL_COORDINATES
 def test_all_go_together(name, kind, coordinates, rng):
     body = shape(name)
-    solver = InteriorDistance(body, complete(kind, body.vertices), coordinates)
-    points = np.concatenate([inside(body, rng, 7), body.vertices[:3], body.bounds[1:] + body.diagonal])
-    i, j = (axis.ravel() for axis in np.indices((11, 11)))
+    solver = solver_of(name, kind).with_coordinates(coordinates)
+    points = np.concatenate([inside(body, rng, 3), body.vertices[:2], body.bounds[1:] + body.diagonal])
+    i, j = (axis.ravel() for axis in np.indices((6, 6)))
     for values in (
         solver.distance(points[i], points[j]),
         solver.gram_distance(points[i], points[j]),
         np.concatenate([solver.field(point, points) for point in points]),
     ):
-        apart = values.reshape(11, 11)
+        apart = values.reshape(6, 6)
         assert np.isnan(apart[-1]).all()
         assert np.isnan(apart[:, -1]).all()
         within = apart[:-1, :-1]
         assert np.isfinite(within).all()
         np.testing.assert_allclose(within, within.T, rtol=1e-9)
         assert np.diag(within).max() <= 1e-7 * within.max()
-        assert within[~np.eye(10, dtype=bool)].min() > 1e-4 * within.max()
+        assert within[~np.eye(5, dtype=bool)].min() > 1e-4 * within.max()
     assert np.isfinite(solver.embed(points[:-1])).all()
     assert np.isnan(solver.embed(points[-1:])).all()
     assert (solver.potential(points[:-1]) >= 0).all()
     for each in (solver.potential(points), solver.negativity(points)):
-        np.testing.assert_array_equal(np.isnan(each), [False] * 10 + [True])
-    np.testing.assert_array_equal(solver.contains(points), [True] * 10 + [False])
+        np.testing.assert_array_equal(np.isnan(each), [False] * 5 + [True])
+    np.testing.assert_array_equal(solver.contains(points), [True] * 5 + [False])
     assert solver.description.startswith(solver.distance_kind.title)
 
 
+@pytest.mark.one_is_quick
 @SHAPES
 @pytest.mark.parametrize("kind", DISTANCES)
 def test_no_points_give_no_distances(name, kind):
     body = shape(name)
-    solver, none = InteriorDistance(body, complete(kind, body.vertices)), np.empty((0, body.dimension))
+    solver, none = solver_of(name, kind), np.empty((0, body.dimension))
     assert solver.distance(none, none).shape == (0,)
     assert solver.field(body.vertices[0], none).shape == (0,)
     assert solver.embed(none).shape == (0, solver.basis.shape[1])
@@ -72,7 +83,7 @@ def test_no_points_give_no_distances(name, kind):
 @pytest.mark.parametrize("kind", ["diffusion", "commute"])
 def test_points_of_the_other_dimension_are_refused_in_one_line(name, kind):
     body = shape(name)
-    solver = InteriorDistance(body, complete(kind, body.vertices))
+    solver = solver_of(name, kind)
     wrong = np.zeros((2, 5 - body.dimension))
     right = body.vertices[:2]
     for call in (
@@ -97,7 +108,7 @@ def test_points_of_the_other_dimension_are_refused_in_one_line(name, kind):
 @pytest.mark.parametrize("kind", ["diffusion", "commute"])
 def test_lists_of_different_lengths_are_refused_in_one_line(name, kind):
     body = shape(name)
-    solver = InteriorDistance(body, complete(kind, body.vertices))
+    solver = solver_of(name, kind)
     for call in (solver.distance, solver.gram_distance, solver.pairwise_distance):
         with pytest.raises(
             ValueError, match="between 3 points and 2 points: there must be as many of both"

@@ -45,24 +45,28 @@ def weights_inside(body: Body, name: str, rng: np.random.Generator) -> tuple[np.
     return points, coordinates_of(body, name).weights(points)
 
 
+@pytest.mark.one_is_quick
 @stating(Property.PARTITION_OF_UNITY)
 def test_they_add_up_to_one(body, name, rng):
     _, weights = weights_inside(body, name, rng)
     np.testing.assert_allclose(weights.sum(axis=1), 1, atol=1e-12)
 
 
+@pytest.mark.one_is_quick
 @stating(Property.LINEAR_PRECISION)
 def test_they_reproduce_linear_functions(body, name, rng):
     points, weights = weights_inside(body, name, rng)
     np.testing.assert_allclose(weights @ body.vertices, points, rtol=0, atol=1e-10 * body.diagonal)
 
 
+@pytest.mark.one_is_quick
 @stating(Property.LAGRANGE)
 def test_each_is_one_at_its_vertex_and_zero_at_the_others(body, name):
     weights = coordinates_of(body, name).weights(body.vertices)
     np.testing.assert_allclose(weights, np.eye(len(body.vertices)), atol=1e-12)
 
 
+@pytest.mark.one_is_quick
 @stating(Property.NON_NEGATIVITY)
 def test_none_is_negative_not_even_by_rounding(body, name, rng):
     points = np.concatenate([inner_points(body, rng), body.vertices])
@@ -71,6 +75,7 @@ def test_none_is_negative_not_even_by_rounding(body, name, rng):
     assert (finish(kind.negativity_steps(points)) == 0).all()
 
 
+@pytest.mark.one_is_quick
 @stating(Property.SMOOTHNESS)
 def test_second_differences_along_lines_converge(body, name, rng):
     points = inner_points(body, rng, 25)
@@ -89,6 +94,7 @@ def test_second_differences_along_lines_converge(body, name, rng):
     assert np.abs(coarse - fine).max() <= 0.02 * max(1.0, np.abs(fine).max())
 
 
+@pytest.mark.one_is_quick
 @lacking(Property.NON_NEGATIVITY)
 @pytest.mark.parametrize("shape", CONCAVE)
 def test_without_that_property_some_are_negative_in_concave_shapes(name, shape, rng):
@@ -100,6 +106,7 @@ def test_without_that_property_some_are_negative_in_concave_shapes(name, shape, 
         np.testing.assert_allclose(negativity(points), expected, atol=1e-13)
 
 
+@pytest.mark.one_is_quick
 @lacking(Property.LINEAR_PRECISION)
 @pytest.mark.parametrize("shape", ["triangle", "star", "two holes", "tetrahedron", "bumpy sphere"])
 def test_without_that_property_linear_functions_are_missed(name, shape, rng):
@@ -112,6 +119,7 @@ def test_every_property_that_some_kind_lacks_is_disproved_above():
     assert lacked == {Property.NON_NEGATIVITY, Property.LINEAR_PRECISION}
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", COORDINATES)
 def test_on_edges_and_faces_they_are_linear_where_they_say_so(body, name):
     kind, missed = coordinates_of(body, name), 0.0
@@ -123,6 +131,7 @@ def test_on_edges_and_faces_they_are_linear_where_they_say_so(body, name):
     assert (missed < 1e-12) == kind.linear_on_boundary
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", COORDINATES)
 def test_points_outside_give_nan_and_points_inside_do_not(body, name, rng):
     margin = 0.2 * (body.bounds[1] - body.bounds[0])
@@ -132,6 +141,7 @@ def test_points_outside_give_nan_and_points_inside_do_not(body, name, rng):
     np.testing.assert_array_equal(np.isnan(weights).any(axis=1), windings(body, points) < 0.5)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", COORDINATES)
 @pytest.mark.parametrize(("scale", "shift"), [(1e-9, 0.0), (1.0, 1e6), (1e-9, 1e-3), (1e6, 0.0)])
 @pytest.mark.parametrize("shape", ["L", "star", "two holes", "bumpy sphere"])
@@ -149,6 +159,7 @@ def test_size_and_place_do_not_matter(name, scale, shift, shape, rng):
     np.testing.assert_allclose(own, np.eye(len(own)), atol=1e-12)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", COORDINATES)
 @pytest.mark.parametrize("shape", ["comb", "two holes", "L prism", "bumpy sphere"])
 def test_rigid_motions_leave_them_alone(name, shape, rng):
@@ -162,6 +173,7 @@ def test_rigid_motions_leave_them_alone(name, shape, rng):
     np.testing.assert_allclose(found, expected, atol=1e-8)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", COORDINATES)
 @pytest.mark.parametrize("shape", ["star", "bumpy sphere"])
 def test_interpolation_is_the_product_with_the_weights(name, shape, rng):

@@ -42,6 +42,7 @@ def expected(mesh: Mesh, points: np.ndarray) -> np.ndarray:
     return np.sqrt(np.einsum("pi,ij,pj->p", z, inverse, z))
 
 
+@pytest.mark.slow
 def test_by_sparse_solves_it_is_that_of_the_pseudo_inverse(mesh, rng):
     points = inner_points(mesh, rng, 40)
     solver = InteriorDistance(mesh, CommuteTime())
@@ -49,6 +50,7 @@ def test_by_sparse_solves_it_is_that_of_the_pseudo_inverse(mesh, rng):
     assert solver._basis is None, "pairs need no dense embedding"
 
 
+@pytest.mark.slow
 def test_the_dense_embedding_is_that_of_the_pseudo_inverse(mesh, solver, rng):
     points = inner_points(mesh, rng, 40)
     images = solver.embed(points)
@@ -61,6 +63,7 @@ def test_the_dense_embedding_is_that_of_the_pseudo_inverse(mesh, solver, rng):
     )
 
 
+@pytest.mark.slow
 def test_gps_with_all_modes_is_the_commute_time_without_a_factor(mesh, solver, rng):
     points = inner_points(mesh, rng, 40)
     everything = InteriorDistance(mesh, GPS(), spectrum=eigenpairs(mesh, lambda _: math.inf))
@@ -69,6 +72,7 @@ def test_gps_with_all_modes_is_the_commute_time_without_a_factor(mesh, solver, r
     )
 
 
+@pytest.mark.slow
 def test_a_field_is_many_pairs_and_points_outside_are_nan(solver, rng):
     points = np.concatenate([inner_points(solver.shape, rng, 37), [[99.0, 0.0, 0.0]]])
     field = solver.field(points[0], points)
@@ -80,6 +84,7 @@ def test_a_field_is_many_pairs_and_points_outside_are_nan(solver, rng):
     assert np.isnan(solver.field(points[-1], points)).all()
 
 
+@pytest.mark.slow
 def test_the_potential_is_the_same_by_both_ways(mesh, rng):
     points = inner_points(mesh, rng, 30)
     solver = InteriorDistance(mesh, CommuteTime())
@@ -88,6 +93,7 @@ def test_the_potential_is_the_same_by_both_ways(mesh, rng):
     np.testing.assert_allclose(solver.potential(points), by_solves, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_it_does_not_depend_on_size_or_place(rng):
     vertices, faces = shapes.icosphere(2)
     points = inner_points(Mesh(vertices, faces), rng, 20)
@@ -110,6 +116,7 @@ def test_large_meshes_have_pairs_and_a_barycentroid_but_no_dense_embedding(mesh,
         limited.embed(points)
 
 
+@pytest.mark.slow
 def test_truncation_never_lengthens_and_more_modes_err_less(mesh):
     few = eigenpairs(mesh)
     more = eigenpairs(mesh, lambda lambda_2: 400.0 * lambda_2)
@@ -125,6 +132,7 @@ def test_truncation_never_lengthens_and_more_modes_err_less(mesh):
         truncation_error(mesh, few, on="on")
 
 
+@pytest.mark.slow
 def test_changing_from_it_and_back_keeps_the_eigenpairs(mesh, solver):
     spectral = InteriorDistance(mesh, Diffusion())
     assert not spectral.shares_basis(CommuteTime())

@@ -104,6 +104,7 @@ def test_landmarks_place_the_others_exactly_where_distances_embed(rng):
     np.testing.assert_allclose(squares_of(placed.embedding), squares, atol=1e-9 * squares.max())
 
 
+@pytest.mark.slow
 def test_scaling_is_the_positive_part_of_the_gram_matrix(sphere):
     geodesics = Geodesics(sphere, "heat")
     matrix = np.stack([geodesics.from_vertex(vertex) for vertex in range(len(sphere.vertices))])
@@ -117,6 +118,7 @@ def test_scaling_is_the_positive_part_of_the_gram_matrix(sphere):
     assert left_out > 0.01, "a sphere's geodesics do not embed"
 
 
+@pytest.mark.slow
 def test_few_landmarks_come_as_near_to_the_geodesics_as_all_pairs_do(sphere):
     """On a sphere the positive part is a third off: the embedding's limit, not the landmarks'."""
     angles = np.arccos(np.clip(sphere.vertices @ sphere.vertices.T, -1, 1))

@@ -39,6 +39,7 @@ def on_a_sphere() -> tuple[Mesh, np.ndarray]:
     return sphere, angles
 
 
+@pytest.mark.slow
 def test_given_euclidean_distances_are_reproduced_inside(mesh, straight, rng, tmp_path):
     points = inner_points(mesh, rng, 40)
     expected = np.linalg.norm(points[:20] - points[20:], axis=1)
@@ -59,6 +60,7 @@ def test_the_gram_matrix_is_centred_and_has_the_distances(rng):
     np.testing.assert_allclose(norms[:, None] + norms - 2 * gram, squares, atol=1e-12 * squares.max())
 
 
+@pytest.mark.slow
 def test_the_distance_does_not_depend_on_the_embedding(mesh, rng):
     """Eq. 1 = eq. 2 = eq. 4 = eq. 5, for an embedding, the same one moved, and the distances alone."""
     points = inner_points(mesh, rng, 40)

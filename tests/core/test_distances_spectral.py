@@ -60,6 +60,7 @@ def weight_differences(mesh: Mesh, points: np.ndarray) -> np.ndarray:
     return weights[:half] - weights[half:]
 
 
+@pytest.mark.slow
 def test_gps_with_all_modes_is_the_commute_time_z_pinv_l_z(mesh, everything, rng):
     points = inner_points(mesh, rng, 40)
     inverse = scipy.linalg.pinvh(cotangent_laplacian(mesh).toarray())
@@ -69,6 +70,7 @@ def test_gps_with_all_modes_is_the_commute_time_z_pinv_l_z(mesh, everything, rng
     )
 
 
+@pytest.mark.slow
 def test_biharmonic_with_all_modes_is_the_norm_of_the_poisson_equation_s_solution(mesh, everything, rng):
     points = inner_points(mesh, rng, 40)
     inverse = scipy.linalg.pinvh(cotangent_laplacian(mesh).toarray())
@@ -80,6 +82,7 @@ def test_biharmonic_with_all_modes_is_the_norm_of_the_poisson_equation_s_solutio
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("distance", "scaled", "power"),
     [
@@ -97,6 +100,7 @@ def test_distances_scale_with_a_power_of_the_size(mesh, rng, distance, scaled, p
     np.testing.assert_allclose(large, 3.0**power * plain, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_biharmonic_converges_where_gps_grows_with_the_logarithm_of_the_modes():
     """Each doubling of the cut-off adds as much to GPS as the one before, and to biharmonic far less."""
     mesh = Mesh(*shapes.icosphere(3))
@@ -112,6 +116,7 @@ def test_biharmonic_converges_where_gps_grows_with_the_logarithm_of_the_modes():
     assert steps["biharmonic"][-1] < 0.1 * steps["biharmonic"][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [Diffusion, GPS, Biharmonic])
 def test_spectral_distances_share_the_basis_and_the_paper_s_cut_off(mesh, paper, kind, rng):
     first = InteriorDistance(mesh, spectrum=paper)
@@ -125,6 +130,7 @@ def test_spectral_distances_share_the_basis_and_the_paper_s_cut_off(mesh, paper,
     assert other.description == direct.description
 
 
+@pytest.mark.slow
 def test_the_interior_changes_to_a_distance_with_another_basis_and_back(mesh, paper, rng):
     points = inner_points(mesh, rng, 20)
     first = InteriorDistance(mesh, spectrum=paper)
@@ -152,6 +158,7 @@ def test_a_time_too_short_for_the_eigenpairs_says_what_is_missing(mesh, everythi
     assert Diffusion(time=default / 1e4).describe(paper).endswith("up to 100%")
 
 
+@pytest.mark.slow
 def test_a_solver_of_its_own_lacks_no_modes(mesh):
     time = 1 / (8 * 8 * eigenpairs(mesh).values[0])
     assert "left out" not in InteriorDistance(mesh, Diffusion(time=time)).description

@@ -30,6 +30,7 @@ def solver(mesh: Mesh) -> InteriorDistance:
     return InteriorDistance(mesh)
 
 
+@pytest.mark.slow
 def test_euclidean_distance_is_reproduced(mesh, rng):
     points = inner_points(mesh, rng, 60)
     p, q = points[:30], points[30:]
@@ -48,6 +49,7 @@ def test_the_boundary_distance_is_interpolated(mesh, solver):
     )
 
 
+@pytest.mark.slow
 def test_equation_1_and_equation_2_agree(mesh, solver, rng):
     points = inner_points(mesh, rng, 60)
     first = solver.distance(points[:30], points[30:])
@@ -61,6 +63,7 @@ def test_equation_1_and_equation_2_agree(mesh, solver, rng):
     np.testing.assert_allclose(fourth, first, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_it_is_a_metric(mesh, solver, rng):
     p, q, r = inner_points(mesh, rng, 90).reshape(3, 30, 3)
     pq, qr, pr = solver.distance(p, q), solver.distance(q, r), solver.distance(p, r)
@@ -70,6 +73,7 @@ def test_it_is_a_metric(mesh, solver, rng):
     np.testing.assert_allclose(solver.distance(p, p), 0, atol=1e-13 * pq.max())
 
 
+@pytest.mark.slow
 def test_field_is_the_distance_from_one_source(mesh, solver, rng):
     points = inner_points(mesh, rng)
     np.testing.assert_allclose(
@@ -77,6 +81,7 @@ def test_field_is_the_distance_from_one_source(mesh, solver, rng):
     )
 
 
+@pytest.mark.slow
 def test_moving_and_scaling_the_shape_scales_the_distances(mesh, solver, rng):
     """phi scales with 1 / size, and so does the distance; t = 1 / (8 lambda_2) follows the size."""
     points = inner_points(mesh, rng)
@@ -89,6 +94,7 @@ def test_moving_and_scaling_the_shape_scales_the_distances(mesh, solver, rng):
     )
 
 
+@pytest.mark.slow
 def test_renumbering_changes_nothing(mesh, solver, rng):
     points = inner_points(mesh, rng)
     order = rng.permutation(len(mesh.vertices))
@@ -105,6 +111,7 @@ def test_points_outside_are_nan_and_points_on_the_surface_are_not(mesh, solver):
     np.testing.assert_allclose(outside[1], solver.vertex_embedding[0], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_potential_is_the_mean_square_distance_but_for_a_constant(mesh, solver, rng):
     points = inner_points(mesh, rng)
     masses = solver.spectrum.masses / solver.spectrum.masses.sum()
@@ -113,6 +120,7 @@ def test_the_potential_is_the_mean_square_distance_but_for_a_constant(mesh, solv
     np.testing.assert_allclose(difference, difference[0], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bumpy sphere", "L", "torus"])
 def test_the_barycentroid_lies_inside_and_lower_than_all_that_was_sampled(name, rng):
     body = BODIES[name]
@@ -130,6 +138,7 @@ def test_the_barycentroid_lies_inside_and_lower_than_all_that_was_sampled(name, 
     assert found.potential <= np.nanmin(solver.potential(around))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness", [1e-2, 1e-3])
 def test_a_thin_sheet_has_a_barycentroid_too(thickness):
     vertices, faces = shapes.cube()
@@ -141,6 +150,7 @@ def test_a_thin_sheet_has_a_barycentroid_too(thickness):
     np.testing.assert_allclose(found[:2], [0.5, 0.7], atol=0.05)
 
 
+@pytest.mark.slow
 def test_the_barycentroid_of_a_box_is_its_centre_and_the_euclidean_one_the_surface_s_centroid():
     vertices, faces = shapes.cube()
     for _ in range(3):
@@ -153,6 +163,7 @@ def test_the_barycentroid_of_a_box_is_its_centre_and_the_euclidean_one_the_surfa
     np.testing.assert_allclose(solver.barycentroid().point, expected, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_barycentroid_of_an_ellipsoid_is_its_centre_after_any_time():
     vertices, faces = shapes.icosphere(2)
     body = Mesh(vertices * [1.6, 0.6, 0.4], faces)
@@ -185,6 +196,7 @@ def with_files(name, mesh):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DISTANCES)
 def test_every_registered_distance_works(name, mesh, rng):
     solver = InteriorDistance(mesh, with_files(name, mesh))

@@ -25,6 +25,7 @@ POLYGONS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.slow
 @POLYGONS
 @pytest.mark.parametrize("kind", thorough(("diffusion",), ["diffusion", "gps", "biharmonic"]))
 def test_the_barycentroid_lies_inside_and_no_lower_point_was_found(name, kind, rng):
@@ -44,6 +45,7 @@ def test_the_barycentroid_lies_inside_and_no_lower_point_was_found(name, kind, r
     assert (np.diff(solver.potential(found.path)) < 1e-14).all()
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("sides", [3, 4, 7, 40])
 def test_the_barycentroid_of_a_regular_polygon_is_its_centre(sides):
     polygon = Polygon(circle(sides) * 2.0 + [5.0, -3.0])
@@ -51,6 +53,7 @@ def test_the_barycentroid_of_a_regular_polygon_is_its_centre(sides):
     np.testing.assert_allclose(found.point, [5.0, -3.0], atol=2e-5)
 
 
+@pytest.mark.slow
 def test_the_euclidean_barycentroid_is_the_boundary_s_centre_of_mass():
     polygon = shape("random polygon")
     ends = polygon.vertices[polygon.edges]
@@ -60,6 +63,7 @@ def test_the_euclidean_barycentroid_is_the_boundary_s_centre_of_mass():
     np.testing.assert_allclose(found.point, expected, atol=2e-5 * polygon.diagonal)
 
 
+@pytest.mark.one_is_quick
 @POLYGONS
 def test_commute_time_is_that_of_the_resistances(name):
     """Eq. 4 with D the resistances in closed form, in which no matrix is solved or decomposed."""
@@ -82,6 +86,7 @@ def test_truncation_loses_what_the_modes_left_out_weigh(name):
     assert 0 < error.mean < 0.05
 
 
+@pytest.mark.one_is_quick
 @POLYGONS
 def test_geodesics_are_those_of_the_polygon_nearest_to_embeddable(name):
     """The positive part of the Gram matrix of the shortest paths, by classical scaling of all pairs."""
@@ -125,6 +130,7 @@ def test_heat_spreads_evenly_on_a_circle(rng):
         np.testing.assert_allclose(found, expected, atol=1e-9 * expected.max())
 
 
+@pytest.mark.slow
 def test_one_point_against_many_goes_through_the_many_in_portions(monkeypatch):
     """Both ways round, for a distance that is a quadratic form."""
     monkeypatch.setattr("idviewer.core.interior.NUMBERS_AT_A_TIME", 700)

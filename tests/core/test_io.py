@@ -141,6 +141,7 @@ def test_files_that_are_no_mesh(tmp_path, suffix):
         assert ";" in message  # a remedy follows
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("variant", meshfiles.WRITERS)
 def test_a_truncated_file_is_never_read_as_a_smaller_mesh(tmp_path, variant):
     suffix, writer = meshfiles.WRITERS[variant]
@@ -159,6 +160,7 @@ def test_a_truncated_file_is_never_read_as_a_smaller_mesh(tmp_path, variant):
     assert all(not rest.strip() or b"facet of a test".endswith(rest.strip()) for rest in survived)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("variant", meshfiles.WRITERS)
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(data=st.data())
@@ -209,6 +211,7 @@ FATAL = {
 }
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize(("message", "arrays"), FATAL.items(), ids=[message[:20] for message in FATAL])
 @pytest.mark.parametrize("variant", ["off", "obj", "ply_binary", "vtp"])
 def test_what_cannot_be_mended_is_told_in_one_line(tmp_path, variant, message, arrays):
@@ -243,6 +246,7 @@ MENDED = {
 }
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize(("arrays", "note"), MENDED.values(), ids=list(MENDED))
 @pytest.mark.parametrize("variant", ["off", "obj", "ply", "ply_binary", "vtp"])
 def test_what_can_be_mended_is_and_the_mesh_says_so(tmp_path, variant, arrays, note):

@@ -45,6 +45,7 @@ def by_lanes(array, out):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_the_operations_are_those_of_numpy(dtype, rng):
     array = rng.uniform(0.1, 1, (2, LANES)).astype(dtype)

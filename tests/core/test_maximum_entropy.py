@@ -41,6 +41,7 @@ def log_priors(body: Body, point: np.ndarray) -> np.ndarray:
     return np.log(result)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("shape", HARMLESS)
 def test_they_are_the_weights_nearest_to_the_priors(shape, rng):
     """log(w / m) is affine in the vertices: with linear precision that is the minimum, which is unique."""
@@ -75,6 +76,7 @@ def test_in_a_simplex_they_are_the_barycentric_coordinates(rng):
         np.testing.assert_allclose(weights, shares, atol=1e-11)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("even", [True, False])
 def test_near_the_boundary_every_point_converges(body, depth, even):
@@ -96,6 +98,7 @@ def test_near_the_boundary_every_point_converges(body, depth, even):
         np.testing.assert_allclose(weights[kept], linear[:200][kept], atol=3e5 * depth)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("shape", ["comb", "star", "two holes", "bumpy sphere", "torus"])
 def test_the_boundary_is_the_limit_at_first_order(shape):
     body = SHAPES[shape]
@@ -119,6 +122,7 @@ def test_on_a_fine_mesh_every_point_converges(sample, rng):
     np.testing.assert_allclose(weights[kept] @ mesh.vertices, points[kept], atol=1e-11 * mesh.diagonal)
 
 
+@pytest.mark.slow
 def test_the_maximum_principle_holds(rng):
     for name in ("comb", "bumpy sphere"):
         body = SHAPES[name]

@@ -68,6 +68,7 @@ def body(request: pytest.FixtureRequest) -> Mesh:
     return BODIES[request.param]
 
 
+@pytest.mark.one_is_quick
 def test_weights_add_up_to_one_and_reproduce_linear_functions(body, rng):
     points = inner_points(body, rng)
     weights = mean_value_weights(body, points)
@@ -75,17 +76,20 @@ def test_weights_add_up_to_one_and_reproduce_linear_functions(body, rng):
     np.testing.assert_allclose(weights @ body.vertices, points, atol=1e-12 * body.diagonal)
 
 
+@pytest.mark.one_is_quick
 def test_weights_are_those_of_the_slow_twin(body, rng):
     points = inner_points(body, rng, 12)
     twin = [mean_value_twin.weights(body.vertices, body.faces, point) for point in points]
     np.testing.assert_allclose(mean_value_weights(body, points), twin, atol=1e-12)
 
 
+@pytest.mark.one_is_quick
 def test_weights_are_those_of_vtk(body, rng):
     points = inner_points(body, rng)
     np.testing.assert_allclose(mean_value_weights(body, points), by_vtk(body, points), atol=1e-9)
 
 
+@pytest.mark.one_is_quick
 def test_interpolation_is_the_product_with_the_weights(body, rng):
     points = inner_points(body, rng, 33)
     values = rng.standard_normal((len(body.vertices), 7))
@@ -101,6 +105,7 @@ def test_vertices_interpolate(body):
     np.testing.assert_allclose(weights, np.eye(len(body.vertices)), atol=1e-12)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("shares", [(0.2, 0.3, 0.5), (0.5, 0.5, 0.0), (1e-9, 1 - 1e-9, 0.0)])
 def test_on_faces_and_edges_they_are_linear(body, shares):
     points = np.einsum("c,fci->fi", shares, body.vertices[body.faces])
@@ -110,6 +115,7 @@ def test_on_faces_and_edges_they_are_linear(body, shares):
     np.testing.assert_allclose(weights, expected, atol=1e-12)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("shares", [(1 / 3, 1 / 3, 1 / 3), (0.5, 0.4999, 1e-4), (0.999, 5e-4, 5e-4)])
 def test_just_below_the_surface_they_are_still_right(body, depth, shares):
@@ -130,6 +136,7 @@ def test_just_below_the_surface_they_are_still_right(body, depth, shares):
             np.testing.assert_allclose(weights, limit, atol=300 * depth / min(s for s in shares if s > 0))
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("tilt", [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2])
 def test_in_the_plane_of_a_distant_face_they_are_smooth(tilt):
     """Inside the L, on the planes of its inner faces and a hair beside them, where solving would cancel."""
@@ -149,6 +156,7 @@ def test_in_the_plane_of_a_distant_face_they_are_smooth(tilt):
     np.testing.assert_allclose(weights, exact, atol=5 * tilt + 1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e6])
 @pytest.mark.parametrize("shift", [0.0, 1e6])
 def test_size_and_place_do_not_matter(scale, shift, rng):
@@ -166,6 +174,7 @@ def test_size_and_place_do_not_matter(scale, shift, rng):
     )
 
 
+@pytest.mark.one_is_quick
 def test_rigid_motions_leave_them_alone(body, rng):
     points = inner_points(body, rng)
     rotation = np.linalg.qr(rng.standard_normal((3, 3)))[0]
@@ -176,6 +185,7 @@ def test_rigid_motions_leave_them_alone(body, rng):
     )
 
 
+@pytest.mark.one_is_quick
 def test_points_outside_give_nan_and_points_inside_do_not(body, rng):
     low, high = body.bounds
     points = rng.uniform(low - 0.2, high + 0.2, size=(500, 3))

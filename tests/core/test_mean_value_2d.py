@@ -52,6 +52,7 @@ def test_inside_a_convex_polygon_they_are_positive(rng):
     assert mean_value_weights(OUTLINES["heptagon"], inner_points(OUTLINES["heptagon"], rng)).min() > 0
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("share", [0.5, 0.1, 0.999])
 def test_just_inside_they_are_still_right_and_tend_to_the_linear_ones(outline, depth, share):

@@ -73,6 +73,7 @@ def test_needles_cost_their_aspect_s_digits_and_no_more(gap, atol, rng):
     assert_right(needled_drum(gap), points, atol)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("thickness", [1e-2, 1e-4, 1e-6])
 def test_between_two_sheets_they_are_right(thickness, rng):
     vertices, faces = subdivided(shapes.cube(), 3)
@@ -80,6 +81,7 @@ def test_between_two_sheets_they_are_right(thickness, rng):
     assert_right(Mesh(vertices * size, faces), rng.uniform(0.1, 0.9, (40, 3)) * size, 1e-13)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("depth", [1e-3, 1e-5, 1e-7, 1e-9])
 @pytest.mark.parametrize("shares", [(1 / 3, 1 / 3, 1 / 3), (0.5, 0.5 - 1e-6, 1e-6), (1 - 2e-9, 1e-9, 1e-9)])
 def test_close_to_the_surface_they_are_right(shares, depth):
@@ -101,6 +103,7 @@ def test_in_the_tip_of_a_spike_they_are_right(tip, rng):
     assert_right(spike, np.hstack([aside, np.full((20, 1), 1 - tip)]), 1e-14)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("tilt", [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2])
 def test_in_the_planes_of_many_small_faces_they_are_smooth(tilt):
     """As in the L of a few large faces, but all of these are seen under small angles."""

@@ -14,6 +14,7 @@ from idviewer.core import Polygon, PolygonError
 from idviewer.core._polygon_crossings import crossing, turns
 
 
+@pytest.mark.slow
 def test_moved_vertices_are_checked_like_new_ones(rng):
     """Random drags of one vertex: accepted or refused exactly as the constructor does."""
     polygon, refused = flower(60), 0
@@ -87,6 +88,7 @@ def all_crossings(vertices: np.ndarray) -> set[tuple[int, int]]:
     }
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 12), st.integers(0, 12)), min_size=4, max_size=12, unique=True))
 def test_crossings_are_found_where_there_are_some(corners):
     """On a small lattice nearly everything touches, lines up or crosses."""
@@ -100,6 +102,7 @@ def test_crossings_are_found_where_there_are_some(corners):
         assert (crossing(moved, np.roll(np.arange(len(vertices)), -1)) is None) == (not all_crossings(moved))
 
 
+@pytest.mark.slow
 def test_long_outlines_are_checked_in_portions(monkeypatch):
     monkeypatch.setattr("idviewer.core._polygon_crossings.PAIRS", 7)
     vertices = flower(90).vertices.copy()

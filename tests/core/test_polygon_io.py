@@ -136,6 +136,7 @@ def test_svg_circles_and_ellipses(tmp_path):
         assert gap.max() < 1e-12
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize(
     "data",
     [

@@ -135,6 +135,7 @@ def potential_of(polygon: Polygon):
     return potential
 
 
+@pytest.mark.slow
 def test_the_barycentroid_of_a_symmetric_polygon_is_its_centre():
     for polygon in (Polygon(regular(24).vertices * [2.0, 1.0] + 7.0), Polygon(3 * SQUARE).resampled(24)):
         found = finish(barycentroid_steps(polygon, potential_of(polygon)))
@@ -143,6 +144,7 @@ def test_the_barycentroid_of_a_symmetric_polygon_is_its_centre():
         np.testing.assert_allclose(found.point, polygon.bounds.mean(axis=0), atol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_barycentroid_lies_inside_and_lower_than_all_that_was_sampled():
     polygon = Polygon.of_loops([circle(24), circle(12, 0.3, (0.2, 0.1))])
     potential = potential_of(polygon)

@@ -80,6 +80,7 @@ def test_the_spectrum_is_that_of_a_dense_solver(polygon, few):
     np.testing.assert_allclose(masses @ spectrum.vectors, 0.0, atol=1e-11 * masses.sum() ** 0.5)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("polygon", [flower(150), WITH_HOLES.resampled(400)], ids=["one loop", "holes"])
 def test_the_iterative_solver_agrees_with_the_dense_one(polygon, monkeypatch):
     plain = eigenpairs(polygon)

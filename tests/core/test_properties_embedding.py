@@ -26,6 +26,7 @@ def quadratic(form: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarra
     return np.einsum("pi,ij,pj->p", one, form, other)
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", EXACT)
 @BY_ALL_COORDINATES
@@ -57,6 +58,7 @@ def test_independence_of_the_embedding_by_four_equations(name, kind, coordinates
         np.testing.assert_allclose(values, np.sqrt(fourth), rtol=1e-6, err_msg=equation)
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @BY_ALL_COORDINATES
 def test_independence_of_the_embedding_by_different_embeddings(name, coordinates, rng):
@@ -85,6 +87,7 @@ def test_independence_of_the_embedding_by_different_embeddings(name, coordinates
         np.testing.assert_allclose(found, expected, rtol=1e-7)
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", EXACT)
 @BY_ALL_COORDINATES
@@ -100,6 +103,7 @@ def test_interpolation(name, kind, coordinates, rng):
     np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-9 * expected.max())
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", [*RANDOM, *BUNDLED])
 @pytest.mark.parametrize("coordinates", COORDINATES)
 def test_euclidean_reproduction(name, coordinates):

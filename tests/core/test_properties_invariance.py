@@ -76,6 +76,7 @@ def clear_segment(body: Body, rng: np.random.Generator) -> tuple[np.ndarray, np.
     raise AssertionError("no such segment")
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", [*RANDOM, "gingerbread"])
 @BY_ALL_COORDINATES
 def test_smoothness_along_lines_through_planes_of_faces(name, coordinates, rng):
@@ -125,6 +126,7 @@ def solver_with(kind: str, body: Body, coordinates: str = "mean_value") -> Inter
     return InteriorDistance(body, made(kind, body), coordinates)
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", [*EXACT, "geodesic"])
 def test_rigid_motions_change_nothing(name, kind, rng):
@@ -165,6 +167,7 @@ phi / lambda^1/2, biharmonic like phi / lambda.
 """
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", POWERS)
 @pytest.mark.parametrize("size", [3.0, 1e-9, pytest.param(1e6, marks=pytest.mark.slow)])
@@ -177,6 +180,7 @@ def test_scale_law(name, kind, size):
     np.testing.assert_allclose(found, size ** powers[body.dimension - 2] * expected, rtol=1e-6)
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("size", [3.0, 1e-3])
 def test_scale_law_of_a_given_diffusion_time(name, size):
@@ -201,6 +205,7 @@ def renumbered(body: Body, order: np.ndarray, rng: np.random.Generator) -> Body:
     return Mesh(body.vertices[order], np.array(turned))
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", [*EXACT, "geodesic"])
 @BY_ALL_COORDINATES

@@ -51,6 +51,7 @@ def check_axioms(apart: np.ndarray) -> None:
     assert apart[~np.eye(len(apart), dtype=bool)].min() > 1e-6 * largest
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", [*EXACT, "geodesic"])
 def test_metric_also_where_modes_are_cut_off(name, kind, rng):
@@ -63,6 +64,7 @@ def test_metric_also_where_modes_are_cut_off(name, kind, rng):
     check_axioms(all_distances(solver, points))
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", ["commute", "diffusion"])
 @pytest.mark.parametrize("coordinates", thorough(("mean_value",), BARYCENTRIC))
@@ -95,6 +97,7 @@ def test_without_conditional_positive_definiteness_it_need_not_be_one(rng):
     assert np.nanmax(distances) < 1e-12
 
 
+@pytest.mark.one_is_quick
 @EVERYWHERE
 @pytest.mark.parametrize("kind", ["commute", "diffusion"])
 @pytest.mark.parametrize("coordinates", thorough(("mean_value",), BARYCENTRIC))
@@ -126,6 +129,7 @@ def test_same_topology_along_sequences(name, kind, coordinates, rng):
         assert other_distances.min() > 1e3 * distances[-1]
 
 
+@pytest.mark.slow
 @EVERYWHERE
 @pytest.mark.parametrize("coordinates", thorough(("mean_value",), BARYCENTRIC))
 def test_same_topology_of_balls(name, coordinates, rng):
@@ -145,6 +149,7 @@ def test_same_topology_of_balls(name, coordinates, rng):
     np.testing.assert_allclose(np.divide(sizes[3:], sizes[2:-1]), 0.1, rtol=0.3)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize(
     "name", thorough((*RANDOM, "plate"), [*RANDOM, "gingerbread", "plate", "bay_3", "spiral", "snake"])
 )
@@ -172,6 +177,7 @@ def test_maximum_principle(name, coordinates, rng):
     assert (solver.negativity(points[:9]) == 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "excess"), [("bay_3", 0.05), ("spiral", 0.25), ("snake", 0.04)])
 def test_maximum_principle_is_violated_with_mean_value_coordinates_in_deep_bays(name, excess, rng):
     """ "The mean value coordinates do become negative with concavity", and then the bound need not hold.
@@ -197,6 +203,7 @@ def test_maximum_principle_is_violated_with_mean_value_coordinates_in_deep_bays(
         assert other.distance(ends[:1], ends[1:]) <= largest
 
 
+@pytest.mark.slow
 def test_maximum_principle_can_be_violated_wherever_weights_are_negative(rng):
     """The boundary distance |s_i - s_j|, s_i the sign of w_i(p), is 2 at most; p is farther from some vertex.
 

@@ -212,6 +212,7 @@ def test_wrong_shapes_are_mesh_errors():
         repair([[0, 0]], [[0, 0, 0]], name="thing")
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(
     shape=st.sampled_from([shapes.cube, shapes.torus, shapes.l_shape, shapes.octahedron]),

@@ -24,6 +24,7 @@ def mesh(request: pytest.FixtureRequest) -> trimesh.Trimesh:
     return load(request.param)
 
 
+@pytest.mark.one_is_quick
 def test_each_is_a_closed_oriented_manifold_in_one_piece(mesh: trimesh.Trimesh) -> None:
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
@@ -121,6 +122,7 @@ def test_they_are_all_there_and_small_enough_to_bundle() -> None:
     assert max(sizes) < 2_000_000
 
 
+@pytest.mark.slow
 def test_descriptions_tell_the_number_of_vertices() -> None:
     for sample in samples():
         assert isinstance(sample, Sample)

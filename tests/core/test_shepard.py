@@ -11,6 +11,7 @@ from idviewer.core import Mesh, Polygon
 from idviewer.core.coordinates.shepard import ShepardCoordinates
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("shape", SHAPES)
 def test_weights_are_those_of_the_formula(shape, rng):
     body = SHAPES[shape]

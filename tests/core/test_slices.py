@@ -50,6 +50,7 @@ def awkward_planes(mesh: Mesh, rng: np.random.Generator) -> list[Plane]:
     return planes
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", BODIES)
 def test_outlines_equal_those_of_the_slow_twin(name, rng):
     mesh = BODIES[name]
@@ -79,6 +80,7 @@ def from_the_smallest(loop: list) -> list:
     return loop[first:] + loop[:first]
 
 
+@pytest.mark.slow
 def test_large_and_distant_bodies_are_cut_like_small_ones(rng):
     """No tolerance depends on the unit; far from the origin the boxes allow for the coordinates' rounding."""
     mesh = BODIES["bumpy sphere"]
@@ -112,6 +114,7 @@ def test_planes_through_vertices_and_faces_still_close(height):
     assert cut.area == pytest.approx(1.0 if height < 1 else 0.0, abs=1e-14)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("name", ["L", "torus", "bumpy sphere"])
 @pytest.mark.parametrize("samples", [10, 100, 1000])
 def test_slice_meshes_fill_the_section_exactly(name, samples, rng):

@@ -48,6 +48,7 @@ def test_separators_come_after_what_they_separate(rng):
     assert (first == SEPARATOR).sum() < 4 * np.sqrt(1000)
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("count", [3, 30, 1500])
 @pytest.mark.parametrize("width", [1, BLOCK, 2 * BLOCK + 3])
 def test_a_solution_solves(rng, count, width):
@@ -114,6 +115,7 @@ def test_a_nearly_singular_block_becomes_orthonormal_too(rng):
     np.testing.assert_allclose(q @ r, block, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_basis_stays_orthonormal_and_projects_the_inverse(rng):
     """By hand: the projected matrix is Q^T (A + shift)^-1 Q, and the left out vector stays out."""
     points, edges = graph(rng, 900)

@@ -65,6 +65,7 @@ def written(
     return path.read_bytes()
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("mode", [ASCII, BINARY, APPENDED])
 @pytest.mark.parametrize("compressor", ["NONE", "ZLIB", "LZMA"])
 def test_every_way_of_writing(tmp_path, mode, compressor):
@@ -116,6 +117,7 @@ def test_lz4_is_refused_by_its_name(tmp_path):
     assert len(read_vtp(written(tmp_path, data, ASCII, "LZ4")).sizes) == 12  # text is not compressed
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize("mode", [BINARY, APPENDED])
 @pytest.mark.parametrize("compressor", ["NONE", "ZLIB", "LZMA"])
 @pytest.mark.parametrize("encode", [0, 1])

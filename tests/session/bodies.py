@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
+import pytest
 from tests.core import shapes
 
 from idviewer.core import Mesh, Plane
+from idviewer.session import plane_samples
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
 
@@ -21,6 +23,14 @@ def egg(level: int = 3) -> Mesh:
     vertices, faces = shapes.icosphere(level)
     bump = 1 + 0.2 * np.sin(3 * vertices[:, 0] + 1) * vertices[:, 2]
     return Mesh(vertices * [1.0, 1.4, 2.2] * bump[:, None], faces, name="egg")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_samples() -> Iterator[None]:
+    """A module that imports this has a quarter of the samples on slices: each is computed like the others."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plane_samples, "COARSEST", plane_samples.COARSEST // 4)
+        yield
 
 
 class Owner:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk, egg
+from tests.session.bodies import Desk, egg, few_samples  # noqa: F401
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.coordinates import maximum_entropy
@@ -36,6 +36,7 @@ def pipeline() -> Pipeline:
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coordinates", ["maximum_entropy", "shepard"])
 @pytest.mark.parametrize("distance", [Diffusion(), Euclidean()], ids=lambda one: one.name)
 def test_the_last_frame_is_the_library_s_field(pipeline, coordinates, distance):
@@ -52,6 +53,7 @@ def test_the_last_frame_is_the_library_s_field(pipeline, coordinates, distance):
         np.testing.assert_allclose(one.values[inner], expected, rtol=1e-9, atol=1e-11 * expected.max())
 
 
+@pytest.mark.slow
 def test_what_is_not_linear_on_faces_is_evaluated_on_the_outline():
     solver = InteriorDistance(BOX, Euclidean(), "shepard")
     query = Query(
@@ -71,6 +73,7 @@ def test_what_is_not_linear_on_faces_is_evaluated_on_the_outline():
     assert np.nanmax(np.abs(one.values - sides)) <= 1e-9 * sides.max()
 
 
+@pytest.mark.slow
 def test_stated_errors_hold(pipeline):
     for coordinates in ("maximum_entropy", "shepard"):
         solver = InteriorDistance(MESH, coordinates=coordinates)
@@ -84,6 +87,7 @@ def test_stated_errors_hold(pipeline):
         assert frames[0].error <= 0.1 * frames[0].value_range[1]
 
 
+@pytest.mark.slow
 def test_where_there_is_no_approximation_large_meshes_are_sampled_exactly():
     hand = read_mesh(sample_path("hand_2k"))
     assert len(hand.faces) > QUICK_FACES
@@ -96,6 +100,7 @@ def test_where_there_is_no_approximation_large_meshes_are_sampled_exactly():
         assert finish(samples.level_steps(0)).rtol == 0.0
 
 
+@pytest.mark.slow
 def test_barycentroids_belong_to_their_coordinates(pipeline):
     centres = {}
     for coordinates in ("mean_value", "maximum_entropy", "shepard"):
@@ -118,6 +123,7 @@ def test_changing_to_and_fro_samples_nothing_again(pipeline, monkeypatch):
         assert run(pipeline, query)[-1].exact
 
 
+@pytest.mark.slow
 def test_samples_used_longest_ago_make_room(pipeline, monkeypatch):
     monkeypatch.setattr(prepared_module, "KEPT_SAMPLED", 2)
     made = Pipeline()
@@ -128,6 +134,7 @@ def test_samples_used_longest_ago_make_room(pipeline, monkeypatch):
     assert kept == ["mean_value", "maximum_entropy"]
 
 
+@pytest.mark.slow
 def test_unknown_coordinates_are_a_failure_and_the_last_ones_come_back():
     with Desk() as desk:
         desk.session.show(MESH)
@@ -154,6 +161,7 @@ class TestPointsWithoutWeights:
 
         monkeypatch.setattr(maximum_entropy, "maximum_entropy", some_fail)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("source", [SOURCE, None])
     def test_they_are_left_out_and_the_frame_says_so(self, failing, source):
         frames = [
@@ -187,6 +195,7 @@ class TestPointsWithoutWeights:
         )
         assert 0.7 * whole < area < whole
 
+    @pytest.mark.slow
     def test_a_source_without_them_is_refused_for_what_it_is(self, monkeypatch):
         made = Pipeline()
         query = Query((PLANE,), SOURCE, Euclidean(), coordinates="maximum_entropy")

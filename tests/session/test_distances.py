@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import egg
+from tests.session.bodies import egg, few_samples  # noqa: F401
 
 from idviewer.core import (
     CommuteTime,
@@ -40,6 +40,7 @@ def pipeline() -> Pipeline:
     return made
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "distance",
     [
@@ -64,6 +65,7 @@ def test_the_last_frame_is_the_library_s_field(pipeline, distance):
         assert frame.title.startswith(distance.title)
 
 
+@pytest.mark.slow
 def test_progress_is_told_and_a_basis_is_made_once(pipeline):
     request = query(Geodesic(landmarks=60))
     stages = [one for one in run(pipeline, request) if isinstance(one, Progress)]

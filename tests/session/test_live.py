@@ -48,6 +48,7 @@ def until_a_frame(results) -> Frame:
     return next(one for one in results if isinstance(one, Frame))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distance", OTHERS, ids=lambda one: one.name)
 def test_another_time_or_kind_is_shown_before_anything_is_sampled(pipeline, sampled, distance):
     frame = until_a_frame(pipeline.results(asked(distance)))
@@ -63,6 +64,7 @@ def test_another_time_or_kind_is_shown_before_anything_is_sampled(pipeline, samp
     assert frame.value_range[1] == pytest.approx(float(solver.field(SOURCE, MESH.vertices).max()), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_no_plane_is_sampled_again_to_the_last_frame(pipeline, monkeypatch):
     monkeypatch.setattr(PlaneSamples, "_sample", None)  # calling it would be an error
     for distance in OTHERS:
@@ -72,6 +74,7 @@ def test_no_plane_is_sampled_again_to_the_last_frame(pipeline, monkeypatch):
             assert results[-1].exact
 
 
+@pytest.mark.slow
 def test_the_barycentroid_shown_before_stands_for_the_right_one_until_that_is_found(pipeline):
     before = list(pipeline.results(asked(Diffusion(), None)))[-1]
     assert before.exact
@@ -92,6 +95,7 @@ def test_the_barycentroid_shown_before_stands_for_the_right_one_until_that_is_fo
         np.testing.assert_allclose(one.values[inner], expected, rtol=1e-9, atol=1e-12 * expected.max())
 
 
+@pytest.mark.slow
 def test_the_potential_s_range_follows_the_distance(pipeline):
     frames = list(pipeline.results(asked(GPS(), None, quantity="potential")))
     first, last = (one for one in frames if isinstance(one, Frame))
@@ -102,6 +106,7 @@ def test_the_potential_s_range_follows_the_distance(pipeline):
     assert first.value_range[1] == pytest.approx(last.value_range[1], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_distance_shown_before_is_settled_at_once(pipeline, sampled):
     list(pipeline.results(asked(GPS(), None)))
     sampled.clear()
@@ -110,6 +115,7 @@ def test_a_distance_shown_before_is_settled_at_once(pipeline, sampled):
     assert sampled == []
 
 
+@pytest.mark.slow
 def test_a_search_goes_on_where_a_newer_query_stopped_it(pipeline, monkeypatch):
     searches = []
     original = barycentroid_module.interior_sample_steps
@@ -141,6 +147,7 @@ def nothing(_mesh):
     return np.empty((0, 3))
 
 
+@pytest.mark.slow
 def test_a_search_that_fails_is_told_and_can_be_repeated(pipeline, monkeypatch):
     with monkeypatch.context() as broken:
         broken.setattr(barycentroid_module, "interior_sample_steps", nothing)
@@ -150,6 +157,7 @@ def test_a_search_that_fails_is_told_and_can_be_repeated(pipeline, monkeypatch):
     assert list(pipeline.results(asked(GPS())))[-1].exact
 
 
+@pytest.mark.slow
 def test_eigenpairs_are_computed_once_and_only_when_needed(monkeypatch):
     computed = []
     original = eigenpairs_module.eigenpair_steps

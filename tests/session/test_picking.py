@@ -50,6 +50,7 @@ def asked_of_every_triangle(section: Slice, point: np.ndarray) -> float | None:
     return None
 
 
+@pytest.mark.slow
 def test_it_finds_the_value_that_the_triangles_have_there(section: Slice, rng: np.random.Generator) -> None:
     found = picker(section)
     hits = 0

@@ -41,6 +41,7 @@ def frames_of(pipeline: Pipeline, query: Query) -> list[Frame]:
     return [one for one in pipeline.results(FrameRequest(MESH, query)) if isinstance(one, Frame)]
 
 
+@pytest.mark.slow
 def test_the_order_is_progress_ready_frames():
     results = [one for one in Pipeline().results(FrameRequest(MESH, QUERY)) if one is not None]
     kinds = [type(one) for one in results]
@@ -56,6 +57,7 @@ def test_the_order_is_progress_ready_frames():
     ]
 
 
+@pytest.mark.slow
 def test_the_last_frame_is_a_direct_computation(pipeline, solver):
     last = frames_of(pipeline, QUERY)[-1]
     assert last.exact
@@ -86,6 +88,7 @@ def test_coarse_frames_come_first_and_state_their_error(pipeline, solver):
         assert error <= 2 * frame.error + 1e-12, (frame.level, error, frame.error)
 
 
+@pytest.mark.slow
 def test_a_new_source_samples_only_itself(pipeline, monkeypatch):
     sampled: list[int] = []
     original = InteriorDistance.sample_steps
@@ -116,6 +119,7 @@ def test_a_frame_describes_itself(pipeline):
             array[0] = 0
 
 
+@pytest.mark.slow
 def test_without_a_source_it_is_the_barycentroid_and_the_potential_is_lowest_there(pipeline):
     through = pipeline._prepared.barycentroid(QUERY)
     query = Query(planes=(Plane(through, (1.0, 0, 0)),), quantity="potential")
@@ -128,6 +132,7 @@ def test_without_a_source_it_is_the_barycentroid_and_the_potential_is_lowest_the
     assert frame.value_range[0] <= one.values.min() * (1 + 1e-12)
 
 
+@pytest.mark.slow
 def test_several_planes_give_several_slices_and_a_plane_that_misses_an_empty_one(pipeline):
     beside = Plane((50.0, 0, 0), (1.0, 0, 0))
     frame = frames_of(pipeline, Query(planes=(PLANE, beside, Plane((0, 0, 0), (0, 0, 1.0)))))[-1]
@@ -135,6 +140,7 @@ def test_several_planes_give_several_slices_and_a_plane_that_misses_an_empty_one
     assert frames_of(pipeline, Query())[-1].slices == ()
 
 
+@pytest.mark.slow
 def test_preparation_goes_on_where_a_replaced_request_left_it():
     pipeline = Pipeline()
     stages = []
@@ -159,6 +165,7 @@ def test_dropping_forgets_half_done_work():
     assert next(pipeline.results(FrameRequest(MESH, QUERY))) == start
 
 
+@pytest.mark.slow
 def test_a_source_outside_is_refused_with_its_coordinates(pipeline):
     results = list(pipeline.results(FrameRequest(MESH, Query(planes=(PLANE,), source=(9.0, 0.0, 0.5)))))
     assert isinstance(results[-1], Failure)
@@ -167,6 +174,7 @@ def test_a_source_outside_is_refused_with_its_coordinates(pipeline):
         run_to_end(MESH, Query(source=(9.0, 0.0, 0.5)))
 
 
+@pytest.mark.slow
 def test_the_euclidean_distance_is_straight(pipeline):
     frame = frames_of(pipeline, Query(planes=(PLANE,), source=QUERY.source, distance=Euclidean()))[-1]
     (one,) = frame.slices

@@ -69,6 +69,7 @@ def dragged(count: int) -> list[Plane]:
     ]
 
 
+@pytest.mark.slow
 def test_every_frame_of_a_drag_is_as_accurate_as_promised(pipeline, solver):
     errors = []
     for plane in dragged(8):
@@ -81,6 +82,7 @@ def test_every_frame_of_a_drag_is_as_accurate_as_promised(pipeline, solver):
     assert np.median(errors, axis=0)[0] <= 5e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distance", [Diffusion(), GPS(), Biharmonic()], ids=lambda one: one.name)
 def test_frames_state_an_error_that_holds(pipeline, solver, distance):
     solver = solver.with_distance(distance)
@@ -95,6 +97,7 @@ def test_frames_state_an_error_that_holds(pipeline, solver, distance):
     assert np.median(ratios) >= 0.1, "the stated error says nothing"
 
 
+@pytest.mark.slow
 def test_a_source_on_the_slice_is_as_accurate(pipeline, solver):
     plane = dragged(3)[1]
     middle = frames_of(pipeline, Query((plane,)), 1)[0].slices[0].points.mean(axis=0)
@@ -105,6 +108,7 @@ def test_a_source_on_the_slice_is_as_accurate(pipeline, solver):
         assert frame.error > 0.0
 
 
+@pytest.mark.slow
 def test_the_last_level_is_a_direct_computation(pipeline, solver):
     plane = dragged(5)[2]
     frame = frames_of(pipeline, Query((plane,)))[-1]
@@ -114,6 +118,7 @@ def test_the_last_level_is_a_direct_computation(pipeline, solver):
     assert error <= 1e-12 * largest
 
 
+@pytest.mark.slow
 def test_a_level_samples_no_point_again_at_its_tolerance(sampler, monkeypatch):
     taken: dict[float, list[np.ndarray]] = {}
     original = sampler.sample_steps
@@ -138,6 +143,7 @@ def test_a_level_samples_no_point_again_at_its_tolerance(sampler, monkeypatch):
     assert sum(map(len, taken.values())) == before
 
 
+@pytest.mark.slow
 def test_a_level_goes_on_where_it_was_left(sampler, monkeypatch):
     sampled: list[int] = []
     original = sampler.sample_steps
@@ -162,6 +168,7 @@ def test_a_level_goes_on_where_it_was_left(sampler, monkeypatch):
     assert len(sampled) == 2 * began
 
 
+@pytest.mark.slow
 def test_neither_source_nor_time_nor_kind_takes_samples_on_the_plane(pipeline, monkeypatch):
     plane = dragged(5)[3]
     frames_of(pipeline, Query((plane,)))
@@ -176,6 +183,7 @@ def test_neither_source_nor_time_nor_kind_takes_samples_on_the_plane(pipeline, m
         assert frames_of(pipeline, query)[-1].exact
 
 
+@pytest.mark.slow
 def test_a_new_source_is_shown_before_its_exact_sample_is_taken(pipeline, solver):
     plane = dragged(5)[3]
     frames_of(pipeline, Query((plane,)))
@@ -189,6 +197,7 @@ def test_a_new_source_is_shown_before_its_exact_sample_is_taken(pipeline, solver
     assert [frame.exact for frame in frames_of(pipeline, Query((plane,), source))] == [True]
 
 
+@pytest.mark.slow
 def test_thin_and_many_loops_are_filled(sampler, rng):
     tips = random_planes(HAND, 60, rng)
     most = max(tips, key=lambda plane: len(PlaneSamples(sampler, plane, 2000).section.loops))
@@ -215,6 +224,7 @@ def test_a_plane_that_misses_the_body_gives_an_empty_slice(sampler):
         assert len(one.points) == len(one.triangles) == len(one.cloud.distances(np.ones(1))) == 0
 
 
+@pytest.mark.slow
 def test_on_a_small_mesh_every_sample_is_exact():
     solver = InteriorDistance(egg(2))
     assert len(solver.shape.faces) <= QUICK_FACES

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk, egg
+from tests.session.bodies import Desk, egg, few_samples  # noqa: F401
 
 from idviewer.core import (
     Biharmonic,
@@ -40,6 +40,7 @@ def placed(polygon: Polygon, scale: float, offset: float) -> Polygon:
     return Polygon(polygon.vertices * scale + offset, polygon.loops)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("polygon", [L_SHAPE, RING, STAR], ids=lambda one: one.name)
 @pytest.mark.parametrize("coordinates", ["mean_value", "maximum_entropy", "shepard"])
 def test_every_value_of_the_last_frame_is_the_library_s(polygon, coordinates):
@@ -74,6 +75,7 @@ def test_the_slice_covers_the_polygon_and_nothing_else(polygon):
     assert polygon.contains(one.points[:, :2]).all()
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize(("scale", "offset"), [(1e-9, 0.0), (1.0, 1e6), (1e3, -1e6)])
 @pytest.mark.parametrize("coordinates", ["mean_value", "shepard"])
 def test_neither_scale_nor_place_matter(scale, offset, coordinates):
@@ -96,6 +98,7 @@ def test_along_a_long_edge_straight_distances_are_seen():
     assert np.abs(values - away).max() < 0.03, "four outline points would be wrong by 0.2"
 
 
+@pytest.mark.slow
 def test_coarse_frames_state_an_error_that_holds():
     for coordinates in ("mean_value", "maximum_entropy", "shepard"):
         query = Query(source=(0.0, 0.2, 0.0), coordinates=coordinates)
@@ -110,6 +113,7 @@ def test_coarse_frames_state_an_error_that_holds():
         assert 0.0 < frames[0].error < 0.1 * frames[0].value_range[1]
 
 
+@pytest.mark.slow
 def test_the_barycentroid_is_in_space_and_the_library_s():
     results = list(Pipeline().results(FrameRequest(STAR, Query())))
     (ready,) = (one for one in results if isinstance(one, Ready))
@@ -140,6 +144,7 @@ def test_short_work_is_not_told_and_so_is_not_left():
     assert not [one for one in results[:first] if isinstance(one, Progress)]
 
 
+@pytest.mark.slow
 def test_distances_and_coordinates_share_what_they_can(monkeypatch):
     pipeline = Pipeline()
     frames_of(STAR, Query(distance=Geodesic()), pipeline)
@@ -208,6 +213,7 @@ class TestSession:
             assert "bow.csv" in str(desk.told("failed")[0][0])
             assert desk.session.state.shape is SQUARE
 
+    @pytest.mark.slow
     def test_meshes_and_polygons_take_turns(self):
         mesh = egg(1)
         with Desk() as desk:

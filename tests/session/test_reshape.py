@@ -37,6 +37,7 @@ def desk():
         yield made
 
 
+@pytest.mark.slow
 def test_the_last_frame_is_that_of_the_new_polygon(desk):
     desk.session.set(source=(0.2, 0.1, 0.0), isolines=9)
     desk.settle()
@@ -61,6 +62,7 @@ def test_the_last_frame_is_that_of_the_new_polygon(desk):
     assert desk.told("opened") == []
 
 
+@pytest.mark.slow
 def test_a_source_left_outside_becomes_the_barycentroid(desk):
     desk.session.set(source=(0.97, 0.0, 0.0))
     desk.settle()
@@ -71,6 +73,7 @@ def test_a_source_left_outside_becomes_the_barycentroid(desk):
     assert desk.told("failed") == []
 
 
+@pytest.mark.one_is_quick
 @pytest.mark.parametrize(
     ("vertices", "part"),
     [
@@ -108,6 +111,7 @@ def test_vertices_where_they_are_change_nothing(desk):
     assert desk.session.state.shape is BLOB
 
 
+@pytest.mark.slow
 def test_during_a_drag_frames_of_polygons_passed_by_are_shown(desk):
     forms = [moved(0, (0.01 * step, 0.0)) for step in range(1, 31)]
     for vertices in forms:
@@ -137,6 +141,7 @@ def test_a_late_frame_of_another_form_is_shown_but_not_of_another_polygon(desk):
     assert {frame.shape for (frame,) in desk.told("framed")} == {other}
 
 
+@pytest.mark.slow
 def test_a_started_polygon_is_shown_before_a_newer_one_is_begun():
     """No checkpoint before the first frame is one at which the runner leaves a request for a newer one."""
     pipeline = Pipeline()
@@ -153,12 +158,14 @@ def test_a_started_polygon_is_shown_before_a_newer_one_is_begun():
     )
 
 
+@pytest.mark.slow
 def test_the_barycentroid_before_counts_only_where_it_is_inside():
     request = FrameRequest(BLOB, Query(), (5.0, 0.0, 0.0))
     first = next(one for one in Pipeline().results(request) if isinstance(one, Frame))
     np.testing.assert_allclose(first.source[:2], InteriorDistance(BLOB).barycentroid().point, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_kernels_are_looked_at_once_when_their_coordinates_are_first_asked_for(monkeypatch):
     looked = []
     monkeypatch.setattr(kernels_module, "compile_steps", lambda *asked: looked.append(asked) or iter(()))
@@ -171,6 +178,7 @@ def test_kernels_are_looked_at_once_when_their_coordinates_are_first_asked_for(m
     assert looked == [(2, "mean_value"), (2, "shepard")]
 
 
+@pytest.mark.slow
 def test_a_drag_is_recorded_and_replayed(tmp_path):
     write_polygon(BLOB, tmp_path / "blob.json")
     stream = io.StringIO()
@@ -198,6 +206,7 @@ def test_a_drag_is_recorded_and_replayed(tmp_path):
         np.testing.assert_allclose(frame.slices[0].values, expected.slices[0].values, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_diffusion_time_stays(desk):
     desk.session.set(distance=Diffusion(time=0.2))
     desk.session.reshape(moved(0, (0.1, 0.0)))

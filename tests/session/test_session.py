@@ -50,12 +50,14 @@ def settled(desk):
     return desk
 
 
+@pytest.mark.slow
 def test_a_shape_shown_again_is_computed_again(settled):
     settled.session.show(MESH)
     settled.settle()
     assert settled.session.frame.exact
 
 
+@pytest.mark.slow
 def test_a_mesh_shown_ends_in_an_exact_frame_through_its_barycentroid(settled):
     frame = settled.session.frame
     assert frame.exact
@@ -68,6 +70,7 @@ def test_a_mesh_shown_ends_in_an_exact_frame_through_its_barycentroid(settled):
     assert settled.told("progressed")[-1] == (None,)
 
 
+@pytest.mark.slow
 def test_equal_values_are_a_no_op(settled):
     before = len(settled.log)
     settled.session.set(
@@ -76,6 +79,7 @@ def test_equal_values_are_a_no_op(settled):
     assert len(settled.log) == before
 
 
+@pytest.mark.slow
 def test_display_changes_compute_nothing(settled):
     settled.session.set(isolines=7, colormap="even")
     assert not settled.session.busy
@@ -84,6 +88,7 @@ def test_display_changes_compute_nothing(settled):
         settled.session.set(colour="red")
 
 
+@pytest.mark.slow
 def test_a_drag_ends_in_the_frame_of_its_last_plane(settled):
     planes = [Plane((x, 0.0, 0.0), (1.0, 0.0, 0.0)) for x in np.linspace(-0.5, 0.5, 30)]
     for plane in planes:
@@ -96,6 +101,7 @@ def test_a_drag_ends_in_the_frame_of_its_last_plane(settled):
     np.testing.assert_allclose(heights, 0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_clicks_set_the_source(settled):
     x = settled.session.frame.query.planes[0].origin[0]
     ray = Ray((5.0, 0.2, 0.3), (-1.0, 0.0, 0.0))
@@ -112,6 +118,7 @@ def test_clicks_set_the_source(settled):
     assert settled.session.frame.value_range[0] == 0
 
 
+@pytest.mark.slow
 def test_a_click_beside_the_slice_takes_the_body(settled):
     settled.session.set(planes=(Plane((0, 0, 1.5), (0.0, 0.0, 1.0)),))
     settled.settle()
@@ -121,6 +128,7 @@ def test_a_click_beside_the_slice_takes_the_body(settled):
     assert settled.session.state.query.source[0] > 0.5
 
 
+@pytest.mark.slow
 def test_the_probe_reads_what_is_shown(settled):
     frame = settled.session.frame
     x = frame.query.planes[0].origin[0]
@@ -131,6 +139,7 @@ def test_the_probe_reads_what_is_shown(settled):
     assert settled.session.probe(Ray((5.0, 9.0, 9.0), (-1.0, 0.0, 0.0))) is None
 
 
+@pytest.mark.slow
 def test_a_source_outside_is_refused_and_the_old_one_kept(settled):
     settled.session.set(source=(0.1, 0.1, 0.1))
     settled.settle()
@@ -141,6 +150,7 @@ def test_a_source_outside_is_refused_and_the_old_one_kept(settled):
     assert settled.session.frame.query == settled.session.state.query
 
 
+@pytest.mark.slow
 def test_opening_replaces_the_mesh_and_failing_to_keeps_it(settled, tmp_path):
     before = settled.session.state
     settled.session.open(tmp_path / "nothing.off")
@@ -159,6 +169,7 @@ def test_opening_replaces_the_mesh_and_failing_to_keeps_it(settled, tmp_path):
     assert settled.told("opened")[-1] == (settled.session.state.shape, path)
 
 
+@pytest.mark.slow
 def test_opening_while_computing_keeps_the_old_computation_if_it_fails(desk, tmp_path):
     desk.session.show(MESH)
     desk.session.open(tmp_path / "nothing.off")
@@ -167,6 +178,7 @@ def test_opening_while_computing_keeps_the_old_computation_if_it_fails(desk, tmp
     assert len(desk.told("failed")) == 1
 
 
+@pytest.mark.slow
 def test_planes_moved_while_opening_do_not_cancel_the_opening(settled, tmp_path):
     path = tmp_path / "small.off"
     write_off(path, Mesh(*shapes.icosphere(2)))
@@ -177,6 +189,7 @@ def test_planes_moved_while_opening_do_not_cancel_the_opening(settled, tmp_path)
     settled.settle()
 
 
+@pytest.mark.slow
 def test_cancelling_keeps_the_mesh_and_resuming_goes_on(desk):
     desk.session.show(MESH)
     desk.owner.run_until(lambda: bool(desk.told("progressed")))
@@ -192,6 +205,7 @@ def test_cancelling_keeps_the_mesh_and_resuming_goes_on(desk):
     np.testing.assert_allclose(desk.session.frame.source, [0, 0, 0.1])
 
 
+@pytest.mark.slow
 def test_frames_of_another_mesh_are_dropped(settled):
     other = egg(2)
     settled.session.set(planes=(Plane((0.2, 0, 0), (1.0, 0, 0)),))
@@ -207,6 +221,7 @@ def test_frames_of_another_mesh_are_dropped(settled):
     assert last_of_first < shown
 
 
+@pytest.mark.slow
 def test_changing_the_distance_prepares_it(settled):
     settled.session.set(distance=Euclidean())
     settled.settle()
