@@ -24,13 +24,6 @@ RESIDUAL = 1e-6
 MIDDLE = 0.6
 """Where among the eigenvalues the shift is, as a share of their bound: it takes the fewest vectors there."""
 
-PRECISE = 5e-11
-"""Largest residual of a solve with an indefinite factor; eigenvalues lose ten times as much. Those seen are
-1e-13 to 2e-9, another one for each shift."""
-
-SHARES = MIDDLE, MIDDLE + 0.013, MIDDLE - 0.017, MIDDLE - 0.03
-"""Shifts that are tried until one is precise."""
-
 FIRST_BLOCKS = 4
 VECTORS_OF_A_MODE = 2.3
 """Fewer vectors in the basis for each mode have not been seen to suffice."""
@@ -67,7 +60,8 @@ def krylov_steps(
     roots = np.sqrt(masses)
     over = sparse.diags_array(1.0 / roots)
     bound = math.inf if guess is None else cutoff(guess)
-    shift, factor = _factored(sparse.csc_array(over @ laplacian @ over), shape.vertices, bound, weyl)
+    matrix = sparse.csc_array(over @ laplacian @ over)
+    shift, factor = yield from _factored(matrix, shape.vertices, bound, weyl)
     krylov = BlockLanczos(factor, shift, roots)
     yield FACTORED
     expected = weyl.modes(bound)
@@ -83,27 +77,26 @@ def krylov_steps(
         if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
             raise _too_many(shape, expected)
         yield min(0.95, FACTORED + 0.9 * krylov.size / (3.0 * expected + 4 * BLOCK))
-    vectors = krylov.vectors(coefficients[:, :kept])
+    vectors = yield from krylov.vector_steps(coefficients[:, :kept])
     vectors /= roots[:, None]
     return LowPairs(values[:kept], vectors, float(residuals[:kept].max()), bound)
 
 
 def _factored(
     matrix: sparse.csc_array, points: Floats, bound: float, weyl: _Weyl
-) -> tuple[float, SymmetricFactor]:
+) -> Generator[None, None, tuple[float, SymmetricFactor]]:
     """A shift and the factor of the matrix less the shift: one among the eigenvalues up to a bound that is
-    about known, if that can be factored precisely, or else one below all of them."""
+    about known, if that can be factored, or else one below all of them."""
     identity = sparse.eye_array(len(points))
     if math.isfinite(bound):
-        for share in SHARES:
-            shifted = sparse.csc_array(matrix - share * bound * identity)
-            try:
-                factor = SymmetricFactor(shifted, points, definite=False)
-            except np.linalg.LinAlgError:
-                continue
-            if factor.residual(shifted) < PRECISE:
-                return share * bound, factor
-    return weyl.shift, SymmetricFactor(sparse.csc_array(matrix - weyl.shift * identity), points)
+        shift = MIDDLE * bound
+        try:
+            steps = SymmetricFactor.steps(sparse.csc_array(matrix - shift * identity), points, definite=False)
+            return shift, (yield from steps)
+        except np.linalg.LinAlgError:
+            pass
+    matrix = sparse.csc_array(matrix - weyl.shift * identity)
+    return weyl.shift, (yield from SymmetricFactor.steps(matrix, points))
 
 
 def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: int) -> bool:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg.blas import dgemm, dtrsm
 
 from idviewer.core._kernels import LANES
+from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
 
 Floats = NDArray[np.float64]
@@ -98,12 +99,17 @@ class BlockLanczos:
 
     def vectors(self, coefficients: Floats) -> Floats:
         """Vectors (n, k) of the space from their coefficients (size, k)."""
+        return finish(self.vector_steps(coefficients))
+
+    def vector_steps(self, coefficients: Floats) -> Generator[None, None, Floats]:
+        """`vectors` as a generator."""
         vectors = np.empty((len(self._constant), coefficients.shape[1]))
         for start in range(0, len(vectors), ROWS):
             rows = slice(start, start + ROWS)
             parts = zip(range(0, self.size, CHUNK), self._chunks, strict=True)
             sums = sum(chunk[rows, : self.size - at] @ coefficients[at : at + CHUNK] for at, chunk in parts)
             vectors[self._factor.order[rows]] = sums
+            yield
         return vectors
 
     def _newest(self) -> Floats:

@@ -46,6 +46,9 @@ SHARE = 0.08
 DOUBT = 3.0
 """Errors of values are at most about so many times those of the positions, which are known."""
 
+ROWS = 2**15
+"""Of a table, copied between two checkpoints."""
+
 
 class ClusterTree:
     """Values at the vertices of a mesh, ready to be carried inside by mean value coordinates.
@@ -93,7 +96,10 @@ class ClusterTree:
         leaves = leaves_of(positions, ordered, first_face)
         yield 0.95
         rows = aligned((len(leaves.vertices), table.shape[1]))
-        np.take(table.astype(np.float32), leaves.vertices, axis=0, out=rows, mode="clip")
+        for start in range(0, len(rows), ROWS):
+            part = slice(start, start + ROWS)
+            rows[part] = table[leaves.vertices[part]]
+            yield 0.95 + 0.05 * start / len(rows)
         records = aligned((2 << depth, RECORD))
         records[:] = records_of(nodes)
         return cls(Tree(depth, records, factors, leaves, rows), nodes, on_surface)
@@ -160,19 +166,24 @@ def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, F
     top, used_by_top = _room_for(FACTORS_OF_A_NODE << level, width, 1), 0
     for above in range(level - 1, -1, -1):
         used_by_top = sum_level(source, above, *plan, nodes, top, desks, kept, used_by_top)
+        yield 0.9
     nodes.first[: 1 << level] += total
     parts.append(Factors(*(array[0, :used_by_top] for array in top)))
-    return nodes, _packed(parts)
+    return nodes, (yield from _packed(parts))
 
 
-def _packed(parts: list[Factors]) -> Factors:
+def _packed(parts: list[Factors]) -> Generator[float, None, Factors]:
     result = []
     kinds = list(zip(*parts, strict=True))
     parts.clear()  # so that each kind's parts are free once they are packed
     while kinds:
         arrays = kinds.pop(0)
         whole = aligned((sum(map(len, arrays)), *arrays[0].shape[1:]))
-        np.concatenate(arrays, out=whole)
+        filled = 0
+        for some in arrays:
+            whole[filled : filled + len(some)] = some
+            filled += len(some)
+            yield 0.92
         result.append(whole)
     return Factors(*result)
 

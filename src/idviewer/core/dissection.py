@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
+
+from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -39,6 +42,11 @@ def dissect(points: Floats, edges: Ints) -> tuple[Ints, NDArray[np.int8]]:
     >>> int(order[-1]), path.shape
     (49, (100, 3))
     """
+    return finish(dissection_steps(points, edges))
+
+
+def dissection_steps(points: Floats, edges: Ints) -> Generator[None, None, tuple[Ints, NDArray[np.int8]]]:
+    """`dissect` as a generator."""
     count = len(points)
     levels = max(1, math.ceil(math.log2(max(count, 2) / SMALL)))
     path = np.zeros((count, levels), dtype=np.int8)
@@ -54,6 +62,7 @@ def dissect(points: Floats, edges: Ints) -> tuple[Ints, NDArray[np.int8]]:
         part[left] = 2 * part[left] + half[left]
         part[separator] = -1 - separator  # in no part with any other
         left = left[part[left] >= 0]
+        yield
     return np.lexsort(path.T[::-1]), path
 
 

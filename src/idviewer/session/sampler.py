@@ -33,6 +33,9 @@ TELLING = 0.03
 ENOUGH = 200
 """So many points of an outline tell how large the distances on a slice are."""
 
+OF_THE_BODY = 5000
+"""So many vertices tell how large they are on the whole shape."""
+
 FINEST = 2e-5
 """The smallest tolerance there is a tree for, in largest distances on the shape."""
 
@@ -51,7 +54,7 @@ class Sampler:
         self.ready = self.complete = self.exact_always
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
         self._scales = np.stack([one.scale * np.ones(solver.basis.shape[1]) for one in common], axis=1)
-        self._radii = self._radii_of(solver.basis)
+        self._radii = self._radii_of(solver.basis[:: -(-len(solver.basis) // OF_THE_BODY)])
         self._preparation = self._prepare()
         sizes = np.abs(self._scales[:, 0]) * np.linalg.norm(
             solver.basis[:: max(1, len(solver.basis) // 500)], axis=0
