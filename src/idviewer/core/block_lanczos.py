@@ -123,19 +123,21 @@ class BlockLanczos:
 def orthonormal(block: Floats) -> tuple[Floats, Floats]:
     """Q and R of a tall block (n, b), by Cholesky factors twice; by reflections where it is nearly singular.
 
+    In Fortran's order it is overwritten by Q.
+
     >>> q, r = orthonormal(np.random.default_rng(0).standard_normal((50, 3)))
     >>> bool(abs(q.T @ q - np.eye(3)).max() < 1e-14)
     True
     """
-    result, total = np.array(block, order="F"), np.eye(block.shape[1])
+    result, total = np.asfortranarray(block), np.eye(block.shape[1])
     try:
         for _ in range(2):
             upper = np.linalg.cholesky(dgemm(1.0, result, result, trans_a=True)).T
             dtrsm(1.0, upper, result, side=1, overwrite_b=True)
             total = upper @ total
     except np.linalg.LinAlgError:
-        result, total = np.linalg.qr(block)
-        result = np.asfortranarray(result)
+        result, rest = np.linalg.qr(result)
+        result, total = np.asfortranarray(result), rest @ total
     return result, total
 
 
