@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
-SUBJECTS = ("weights", "tree", "drag", "sliders", "gui")
+SUBJECTS = ("weights", "tree", "drag", "sliders", "gui", "spectrum", "opening")
 """Those that are quick on a small shape."""
 
 
@@ -58,13 +58,25 @@ def test_the_readme_has_the_place_for_it(table: ModuleType) -> None:
 
 @pytest.mark.slow
 def test_small_runs_measure(tmp_path: Path) -> None:
-    small = ["--shapes", "hand_2k", "--turns", "1", "--poses", "2", "--out", tmp_path / "out.json"]
+    small = [
+        "--shapes",
+        "hand_2k",
+        "--turns",
+        "1",
+        "--poses",
+        "2",
+        "--sizes",
+        "1200",
+        "--out",
+        tmp_path / "out.json",
+    ]
     command = [sys.executable, FOLDER / "run.py", *small, "--only", *SUBJECTS]
     done = subprocess.run(command, capture_output=True, text=True, timeout=170)
     assert done.returncode == 0, done.stderr
     rows = [
         row for rows in json.loads((tmp_path / "out.json").read_text())["tables"].values() for row in rows
     ]
-    assert {row["what"].split(",")[0] for row in rows} >= {"weights", "first frame", "frame accepted"}
+    kinds = {"weights", "first frame", "frame accepted", "first colours", "seen before"}
+    assert {row["what"].split(",")[0] for row in rows} >= kinds
     within = [row for row in rows if row["what"] == "embedding within 1e-05"]
     assert within[0]["error"] < 1e-4
