@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
-from idviewer.core import InteriorDistance, Mesh, Plane, read_mesh, sample_path, section
+from idviewer.core import InteriorDistance, Mesh, Plane, section
 from idviewer.core.plane import AXES
-from idviewer.core.simplification import simplified
 from idviewer.core.slice_mesh import slice_mesh, spacing_for
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.session import default_plane
@@ -23,6 +24,10 @@ SEED = 20090715
 LAYERS = 40
 LARGE = 40_000
 """Vertices from which on a body is one that the bars for 43,000 of them mean."""
+
+PEBBLE = (1.0, 0.8, 0.6)
+BUMPS = ((3.0, 1.0, 2.0), (-2.0, 4.0, 1.0), (1.0, -3.0, 4.0))
+"""Half axes of an ellipsoid, and the waves of its bumps."""
 
 WAVES = ((23.0, 31.0, 17.0), (41.0, -29.0, 37.0), (-61.0, 53.0, 47.0))
 """Bumps of a body made finer, in radians a diagonal of the bounding box."""
@@ -99,16 +104,23 @@ def finer(mesh: Mesh) -> Mesh:
     return Mesh(_smoothed(vertices, faces), faces, name=mesh.name)
 
 
-def octopus_of(vertices: int) -> Mesh:
-    """The bundled octopus with about so many vertices; its distances need a hundred modes."""
-    mesh, doublings = read_mesh(sample_path("octopus_27k")), 0
-    while vertices > 4 ** (doublings + 1) * len(mesh.vertices):
-        doublings += 1
-    wanted = vertices // 4**doublings
-    mesh = simplified(finer(mesh) if wanted > len(mesh.vertices) else mesh, wanted)
-    for _ in range(doublings):
-        mesh = finer(mesh)
-    return mesh
+def pebble(vertices: int) -> Mesh:
+    """An ellipsoid with bumps and so many vertices, evenly spread: a compact body, which needs many modes."""
+    count = np.arange(vertices) + 0.5
+    # A spiral over the ball in equal steps of area; its convex hull is the mesh.
+    height, turn = 1.0 - 2.0 * count / vertices, np.pi * (1.0 + math.sqrt(5.0)) * count
+    ring = np.sqrt(1.0 - height**2)
+    ball = np.column_stack([ring * np.cos(turn), ring * np.sin(turn), height])
+    hull = ConvexHull(ball)
+    outward = np.einsum("fd,fd->f", np.cross(*_sides(ball, hull.simplices)), ball[hull.simplices[:, 0]]) > 0.0
+    faces = np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1]).astype(np.int64)
+    bumps = 1.0 + 0.1 * np.sin(ball @ np.array(BUMPS).T).sum(axis=1, keepdims=True)
+    return Mesh(ball * bumps * PEBBLE, faces, name="pebble")
+
+
+def _sides(points: Floats, faces: NDArray[np.int32]) -> tuple[Floats, Floats]:
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    return b - a, c - a
 
 
 def bumpy(mesh: Mesh) -> Mesh:

@@ -12,13 +12,13 @@ from pathlib import Path
 from statistics import median
 
 import pyvista as pv
-from bodies import octopus_of
+from bodies import pebble
 from settings import Settings
 from table import Bar, Row
 
 TITLE = "Opening: first colours, final ones, and a mesh seen before"
 NOTE = (
-    "The bundled octopus, simplified or cut finer and smoothed, read from a binary PLY file; kernels are "
+    "A pebble, which is a bumpy ellipsoid, read from a binary PLY file; kernels are "
     "loaded before. First colours are a preview where the mesh is large; their error is its largest change "
     "of a distance until the final one, as a share of the largest. Final is the first frame with the mesh's "
     "own eigenpairs within 1e-3; beside it when every value is exact. Memory is the largest resident set of "
@@ -36,7 +36,7 @@ MEMORY = {537_000: Bar(6000.0)}
 
 def rows(settings: Settings) -> Iterator[Row]:
     for vertices in settings.sizes:
-        mesh = octopus_of(vertices)
+        mesh = pebble(vertices)
         on = f"{mesh.name}, {len(mesh.vertices) / 1000:,.1f}K vertices"
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{mesh.name}.ply"
