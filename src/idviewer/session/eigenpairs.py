@@ -13,6 +13,7 @@ from idviewer.core import Distance, Shape, Spectrum
 from idviewer.core.preview import is_worth_previewing
 from idviewer.core.spectrum import eigenpair_steps
 from idviewer.session.opening import Opening
+from idviewer.session.progress import with_progress
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, Progress, Query, Result
 
@@ -65,13 +66,7 @@ class Eigenpairs:
         if self._cache is None:
             return None
         steps = self._cache.lookup_steps(shape, distance.cutoff)
-        while True:
-            try:
-                share = next(steps)
-            except StopIteration as stop:
-                spectrum, complaint = stop.value
-                break
-            yield Progress(READING, share)
+        spectrum, complaint = yield from with_progress(READING, steps)
         self._are_kept = spectrum is not None
         if complaint:
             self._damaged = True
@@ -125,13 +120,7 @@ class Eigenpairs:
         if self._cache is None or shape.dimension == 2:
             return None
         steps = self._cache.lookup_opening_steps(shape, spectrum, query)
-        while True:
-            try:
-                share = next(steps)
-            except StopIteration as stop:
-                opening, complaint = stop.value
-                break
-            yield Progress(READING, share)
+        opening, complaint = yield from with_progress(READING, steps)
         if complaint:
             told = f"The view kept of this shape was sampled again: its file {complaint}."
             self._remarks = (*self._remarks, told)

@@ -21,6 +21,7 @@ from idviewer.session.opening import default_plane
 from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.previews import Previews
+from idviewer.session.progress import with_progress
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
@@ -112,7 +113,7 @@ class Pipeline:
         if prepared.opened is None:  # otherwise there is something to show first
             # Others than those it was prepared with.
             yield from self._kernels.steps(query.coordinates, prepared.shape)
-        yield from _with_progress(_stage(query.distance), prepared.basis_steps(query))
+        yield from with_progress(_stage(query.distance), prepared.basis_steps(query))
         solver = prepared.sampled(query).solver
         modes = len(solver.spectrum.values) if query.distance.spectral else 0
         if self._told != (prepared, modes):
@@ -125,14 +126,14 @@ class Pipeline:
         yield from self._keep_opening(prepared, query)
         # For slices to come, which somebody now has time to wait for.
         yield from self._kernels.steps(query.coordinates, request.shape)
-        yield from _with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps(True))
+        yield from with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps(True))
 
     def _refined(self, prepared: Prepared, query: Query) -> Results:
         """The frames of a query whose shape is prepared."""
         framing = Framing(prepared, query)
         if not framing.is_there:
             yield from self._kernels.steps(query.coordinates, prepared.shape)
-        samples = yield from _with_progress("Preparing slices", framing.prepare_steps())
+        samples = yield from with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
 
@@ -182,7 +183,7 @@ class Pipeline:
             known.spectrum = spectrum
             return known
         steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
-        solver = yield from _with_progress(_stage(query.distance), steps)
+        solver = yield from with_progress(_stage(query.distance), steps)
         prepared = Prepared(solver, self._centre(request))
         if opening is not None:
             prepared.restore(query, opening)
@@ -248,16 +249,6 @@ def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSam
 
 def _stage(distance: Distance) -> str:
     return f"Preparing the {distance.title.lower()}"
-
-
-def _with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Generator[Progress, None, Made]:
-    """Runs steps to their end and tells of them."""
-    while True:
-        try:
-            share = next(steps)
-        except StopIteration as stop:
-            return stop.value
-        yield Progress(stage, share)
 
 
 def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> Frame:

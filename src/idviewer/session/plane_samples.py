@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from idviewer.core import Mesh, Plane, Polygon, Section, Shape, polygon_section, section
 from idviewer.core.slice_mesh import STEPS, SliceMesh, edges_of, slice_mesh, spacing_for, split
+from idviewer.core.steps import without_shares
 from idviewer.session.cloud import Cloud
 from idviewer.session.kept_rows import KeptRows
 from idviewer.session.middles import Middles, interpolated
@@ -186,13 +187,7 @@ class PlaneSamples:
         return keys
 
     def _sample(self, points: Floats) -> Generator[None, None, Floats]:
-        steps = self._sampler.sample_steps(points, self._kept.rtol)
-        while True:
-            try:
-                next(steps)
-            except StopIteration as stop:
-                return stop.value
-            yield
+        return without_shares(self._sampler.sample_steps(points, self._kept.rtol))
 
     def _refined(self, mesh: SliceMesh, rows: Floats) -> Steps:
         """The mesh with the middles of all edges added, sampled where they matter, elsewhere interpolated."""

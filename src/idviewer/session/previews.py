@@ -19,7 +19,7 @@ from idviewer.core.preview import (
     preview_cutoff,
     preview_steps,
 )
-from idviewer.core.steps import beside
+from idviewer.core.steps import beside, without_shares
 from idviewer.core.threads import small_products
 from idviewer.session.framing import Framing
 from idviewer.session.prepared import Prepared
@@ -121,7 +121,7 @@ class Previews:
     def _pictures(self, query: Query) -> Pictures:
         if self._preview is None or self._prepared is None:
             return
-        yield from _silently(self._prepared.basis_steps(query))
+        yield from without_shares(self._prepared.basis_steps(query))
         framing = Framing(self._prepared, query)
         if self._told is not self._preview:
             self._told = self._preview
@@ -133,7 +133,7 @@ class Previews:
             yield (yield from self._picture(framing, query))
 
     def _picture(self, framing: Framing, query: Query) -> Generator[None, None, Frame]:
-        samples = yield from _silently(framing.prepare_steps())
+        samples = yield from without_shares(framing.prepare_steps())
         slices = []
         for one in samples:
             slices.append((yield from one.level_steps(0)))
@@ -158,13 +158,3 @@ def in_words(share: float) -> str:
     ('Preview, error about 1.6%', 'Preview, error about 38%')
     """
     return f"Preview, error about {percentage(share)}"
-
-
-def _silently(steps: Generator[float | None, None, Made]) -> Generator[None, None, Made]:
-    """Steps as checkpoints: their progress is not worth telling, and would let a request be left."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            return stop.value
-        yield None
