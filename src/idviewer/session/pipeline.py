@@ -118,7 +118,8 @@ class Pipeline:
         modes = len(solver.spectrum.values) if query.distance.spectral else 0
         if self._told != (prepared, modes):
             self._told = (prepared, modes)
-            yield Ready(request.shape, modes, np.array(prepared.barycentroid(query)))
+            place = np.array(prepared.barycentroid(query))
+            yield Ready(request.shape, modes, place, plane=prepared.opened)
             if prepared.opened is not None and query.planes == (default_plane(request.shape),):
                 # Who gets to know the barycentroid asks for the plane through it next, and that is there.
                 yield from self._refined(prepared, replace(query, planes=(prepared.opened,)))

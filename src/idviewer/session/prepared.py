@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Generator, Hashable
 
@@ -29,6 +30,9 @@ NUMBERS = 3e7
 
 FACE_VISITS = 1.2e9
 """Work spent on the exact level of a slice: a few seconds on two cores, with mean value coordinates."""
+
+BESIDE = 0.01
+"""Share of the diagonal within which a plane counts as one through the barycentroid."""
 
 SOURCE = 2e-5
 """Tolerance of a source's own sample while the exact one is not there."""
@@ -245,10 +249,13 @@ class Prepared:
         self.has_opening, self.opened = True, opening.plane
 
     def opening(self, query: Query) -> Opening | None:
-        """What a query shows, if it is a slice through the barycentroid, all of which is there; once."""
+        """What a query shows, if it is a slice through the barycentroid or next to it, all of which is there;
+        once."""
         point = self._found.get(_kind(query))
-        through = len(query.planes) == 1 and query.planes[0].origin == point
-        if self.has_opening or point is None or not through or not query.distance.spectral:
+        if self.has_opening or point is None or len(query.planes) != 1 or not query.distance.spectral:
+            return None
+        # A preview puts the plane through its own barycentroid.
+        if math.dist(query.planes[0].origin, point) > BESIDE * self.shape.diagonal:
             return None
         opening = self.sampled(query).opening(query.planes[0], point)
         self.has_opening = opening is not None

@@ -33,6 +33,9 @@ TELLING = 0.03
 ENOUGH = 200
 """So many points of an outline tell how large the distances on a slice are."""
 
+AFFORDABLE = 4e7
+"""Facets times columns up to which there is memory (a gigabyte) for the tree of the smallest tolerance."""
+
 OF_THE_BODY = 5000
 """So many vertices tell how large they are on the whole shape."""
 
@@ -113,8 +116,9 @@ class Sampler:
         yield from self._prepare_for(LOOSEST, FINE)
         self.ready = True
         yield 1.0
-        yield from self._prepare_for(FINEST)
-        self.complete = True
+        if self.solver.basis.shape[1] * len(self.solver.shape.facets) <= AFFORDABLE:
+            yield from self._prepare_for(FINEST)
+            self.complete = True
 
     def _prepare_for(self, *tolerances: float) -> Generator[float, None, None]:
         point = in_space(self.solver.shape.vertices[:1])

@@ -233,7 +233,8 @@ class Session:
         if ready.shape.dimension == 3 and self.state.query.planes == (default_plane(ready.shape),):
             # Where the user has not chosen a plane, show the one through the shape's centre.
             x, y, z = ready.barycentroid.tolist()
-            self._change(self.state.with_(planes=(Plane((x, y, z), self.state.query.planes[0].normal),)))
+            plane = ready.plane or Plane((x, y, z), self.state.query.planes[0].normal)
+            self._change(self.state.with_(planes=(plane,)))
 
     def _accept(self, frame: Frame) -> None:
         self.frame = frame

@@ -169,13 +169,14 @@ class Opened:
 class Ready:
     """A shape's embedding is there: its number of modes (0 without eigenpairs) and (3,) a barycentroid.
 
-    In a preview they are those of a simplified mesh.
+    In a preview they are those of a simplified mesh. Where a first view was kept, plane is the one it shows.
     """
 
     shape: Shape
     modes: int
     barycentroid: NDArray[np.float64]
     preview: bool = False
+    plane: Plane | None = None
 
 
 @dataclass(frozen=True)
