@@ -25,8 +25,14 @@ MIDDLE = 0.6
 """Where among the eigenvalues the shift is, as a share of their bound: it takes the fewest vectors there."""
 
 FIRST_BLOCKS = 4
-VECTORS_OF_A_MODE = 2.3
-"""Fewer vectors in the basis for each mode have not been seen to suffice."""
+LAST_BLOCKS = 7
+"""With fewer blocks beyond those that all modes come into sight with, none has been seen to end."""
+
+VECTORS_OF_A_MODE = {True: 1.45, False: 2.5}
+"""Vectors for each mode until all are in sight, by whether the shift is among the eigenvalues."""
+
+RATE = 6.0
+"""How much better the worst of them then gets with each block: five to seven times."""
 
 FACTORED = 0.05
 """The share done once the matrix is factored, which cannot be interrupted."""
@@ -64,19 +70,22 @@ def krylov_steps(
     shift, factor = yield from _factored(matrix, shape.vertices, bound, weyl)
     krylov = BlockLanczos(factor, shift, roots)
     yield FACTORED
-    expected = weyl.modes(bound)
+    among = factor.negative > 0
+    expected = (factor.negative - 1) / MIDDLE if among else weyl.modes(bound)
+    missing = _first_blocks(among, expected)
     while True:
-        for _ in range(min(krylov.room, _blocks_to_add(krylov.size, expected))):
+        for _ in range(min(krylov.room, missing)):
             yield from krylov.expand()
         values, coefficients, residuals = krylov.ritz_pairs()
         bound = cutoff(values[0])
         kept = int(np.count_nonzero(values < bound))
         if _complete(values < shift, residuals[: kept + 1], kept, factor.negative):
             break
-        expected = max(weyl.modes(bound), kept)  # which never counts too many: Ritz values come from above
+        expected = max(expected if among else weyl.modes(bound), kept)
         if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
             raise _too_many(shape, expected)
-        yield min(0.95, FACTORED + 0.9 * krylov.size / (3.0 * expected + 4 * BLOCK))
+        missing = _more_blocks(krylov.size, _first_blocks(among, expected), residuals[: kept + 1].max())
+        yield min(0.95, FACTORED + 0.9 * krylov.size / (krylov.size + missing * BLOCK))
     vectors = yield from krylov.vector_steps(coefficients[:, :kept])
     vectors /= roots[:, None]
     return LowPairs(values[:kept], vectors, float(residuals[:kept].max()), bound)
@@ -109,14 +118,22 @@ def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: 
     return bool(enough and kept < len(below) and residuals.max() < RESIDUAL)
 
 
-def _blocks_to_add(size: int, expected: float) -> int:
-    """How far a Krylov space is to grow until it is looked at again, which costs as much as a block."""
-    if size == 0 and not math.isfinite(expected):
+def _first_blocks(among: bool, expected: float) -> int:
+    """How large a Krylov space is to be before its end is looked for."""
+    if not math.isfinite(expected):
         return FIRST_BLOCKS
-    goal = max(1.1 * size, VECTORS_OF_A_MODE * expected)
-    if math.isinf(expected) or FIRST_BLOCKS * BLOCK < size < 0.5 * goal:
-        goal = 2.0 * size
-    return max(1, round((goal - size) / BLOCK))
+    return LAST_BLOCKS + math.ceil(VECTORS_OF_A_MODE[among] * expected / BLOCK)
+
+
+def _more_blocks(size: int, goal: int, worst: float) -> int:
+    """How far to go on before the worst residual is looked at again, which costs as much as a block.
+
+    One is seen too late rather than too early, for each is to be made orthogonal to all others.
+    """
+    blocks = size // BLOCK
+    if blocks < goal:
+        return min(goal - blocks, blocks)  # as little is known of the number of modes yet
+    return max(1, int(math.log(max(worst / RESIDUAL, 1.0)) / math.log(RATE)))
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm, dtrsm
 
 from idviewer.core._kernels import LANES
 from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
+from idviewer.core.tall_basis import TallBasis, make_orthogonal
 
 Floats = NDArray[np.float64]
 
@@ -18,12 +18,6 @@ BLOCK = LANES
 """Vectors at a time: as many as a solve takes at once. A block finds as many copies of an eigenvalue as it
 is wide, and symmetry makes at most five of a body equal (the largest irreducible representation of a finite
 point group, the icosahedron's)."""
-
-CHUNK = 8 * BLOCK
-"""Vectors of the basis that are kept in one array, so that it grows without being copied."""
-
-ROWS = 2048
-"""Rows of a product that are taken at a time, so that they stay in the processor's cache."""
 
 
 class BlockLanczos:
@@ -41,42 +35,42 @@ class BlockLanczos:
 
     def __init__(self, factor: SymmetricFactor, shift: float, known: Floats) -> None:
         self._factor, self._shift = factor, shift
-        self._chunks: list[Floats] = []
+        self._basis = TallBasis(len(known))  # with one block more than the space
         self._projected = np.zeros((0, 0))
-        self._coupling = np.zeros((BLOCK, BLOCK))
         # All vectors are in the factor's order.
-        self._constant = (known / np.linalg.norm(known))[factor.order, None]
+        self._constant = np.zeros((1, len(known), LANES))
+        self._constant[0, :, 0] = known[factor.order] / np.linalg.norm(known)
         start = np.random.default_rng(0).standard_normal((len(known), BLOCK))
-        self._block, _ = orthonormal(start - self._constant @ (self._constant.T @ start))
-        self.size = 0
+        make_orthogonal(start, self._constant)
+        self._coupling = self._basis.append(start)
+
+    @property
+    def size(self) -> int:
+        """How many vectors the space has."""
+        return len(self._projected)
 
     @property
     def room(self) -> int:
         """How many blocks the space can still hold."""
-        return max(0, (len(self._constant) - 1 - self.size) // BLOCK - 1)
+        return max(0, (self._constant.shape[1] - 1 - self.size) // BLOCK - 1)
 
     def expand(self) -> Generator[None, None, None]:
-        """Add one block to the basis."""
-        old, new = self.size, self.size + BLOCK
-        local = np.column_stack([self._newest(), self._block])
-        if old % CHUNK == 0:
-            self._chunks.append(np.empty((len(self._constant), CHUNK), order="F"))
-        self._chunks[-1][:, old % CHUNK : old % CHUNK + BLOCK] = self._block
-        self.size = new
-        image = self._factor.solve_ordered(self._block)
+        """Add one block to the space."""
+        old, blocks = self.size, len(self._basis)
+        image = self._factor.solve_ordered(self._basis[blocks - 1])
         yield
-        coefficients = _less(image, local)  # all that exact arithmetic would need
-        yield
-        _less(image, self._constant)
-        for start, chunk in zip(range(0, new, CHUNK), self._chunks, strict=True):
-            _less(image, chunk[:, : min(CHUNK, new - start)])
-            yield
-        wider = np.zeros((new, new))
+        wider = np.zeros((old + BLOCK, old + BLOCK))
         wider[:old, :old] = self._projected
-        wider[new - local.shape[1] :, old:] = coefficients
-        wider[old:, new - local.shape[1] :] = coefficients.T
-        self._projected = wider
-        self._block, self._coupling = orthonormal(image)
+        for block in range(max(0, blocks - 2), blocks):  # all that exact arithmetic would need
+            coefficients, rows = make_orthogonal(image, self._basis[block][None]), block * BLOCK
+            wider[rows : rows + BLOCK, old:] = coefficients
+            wider[old:, rows : rows + BLOCK] = coefficients.T
+        yield
+        make_orthogonal(image, self._constant)
+        for some in self._basis:
+            make_orthogonal(image, some)
+            yield
+        self._projected, self._coupling = wider, self._basis.append(image)
         yield
 
     def ritz_pairs(self) -> tuple[Floats, Floats, Floats]:
@@ -103,46 +97,4 @@ class BlockLanczos:
 
     def vector_steps(self, coefficients: Floats) -> Generator[None, None, Floats]:
         """`vectors` as a generator."""
-        vectors = np.empty((len(self._constant), coefficients.shape[1]))
-        for start in range(0, len(vectors), ROWS):
-            rows = slice(start, start + ROWS)
-            parts = zip(range(0, self.size, CHUNK), self._chunks, strict=True)
-            sums = sum(chunk[rows, : self.size - at] @ coefficients[at : at + CHUNK] for at, chunk in parts)
-            vectors[self._factor.order[rows]] = sums
-            yield
-        return vectors
-
-    def _newest(self) -> Floats:
-        """The block added last, (n, BLOCK), or nothing."""
-        if not self._chunks:
-            return self._block[:, :0]
-        end = (self.size - 1) % CHUNK + 1
-        return self._chunks[-1][:, end - BLOCK : end]
-
-
-def orthonormal(block: Floats) -> tuple[Floats, Floats]:
-    """Q and R of a tall block (n, b), by Cholesky factors twice; by reflections where it is nearly singular.
-
-    In Fortran's order it is overwritten by Q.
-
-    >>> q, r = orthonormal(np.random.default_rng(0).standard_normal((50, 3)))
-    >>> bool(abs(q.T @ q - np.eye(3)).max() < 1e-14)
-    True
-    """
-    result, total = np.asfortranarray(block), np.eye(block.shape[1])
-    try:
-        for _ in range(2):
-            upper = np.linalg.cholesky(dgemm(1.0, result, result, trans_a=True)).T
-            dtrsm(1.0, upper, result, side=1, overwrite_b=True)
-            total = upper @ total
-    except np.linalg.LinAlgError:
-        result, rest = np.linalg.qr(result)
-        result, total = np.asfortranarray(result), rest @ total
-    return result, total
-
-
-def _less(image: Floats, basis: Floats) -> Floats:
-    """Take the part of image (n, b) that lies in an orthonormal basis (n, m) out of it; the coefficients."""
-    coefficients = dgemm(1.0, basis, image, trans_a=True)
-    dgemm(-1.0, basis, coefficients, beta=1.0, c=image, overwrite_c=True)
-    return coefficients
+        return (yield from self._basis.combination_steps(coefficients, self._factor.order))

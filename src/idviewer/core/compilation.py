@@ -21,6 +21,7 @@ from idviewer.core.shape import Shape
 from idviewer.core.simplification import simplified
 from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
+from idviewer.core.tall_basis import TallBasis
 
 
 def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[float, None, None]:
@@ -77,9 +78,16 @@ def _spatial_calls() -> list[Callable[[], object]]:
         lambda: simplified(spindle, len(corners) - 1),
         lambda: Ground(spindle).land(corners),
         lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
+        lambda: finish(_unit_basis().combination_steps(np.empty((0, 1)), np.arange(LANES))),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]
+
+
+def _unit_basis() -> TallBasis:
+    basis = TallBasis(LANES)
+    basis.append(np.eye(LANES))
+    return basis
 
 
 def _triangle() -> Polygon:

@@ -19,7 +19,7 @@ from idviewer.core.steps import finish
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-PRECISE = 5e-11
+PRECISE = 2e-10
 """Largest residual of a solution; eigenvalues lose ten times as much. Without refinement those seen are 1e-13
 to 2e-9, another one for each shift."""
 
@@ -108,18 +108,21 @@ class SymmetricFactor:
 
     def solve_ordered(self, sides: Floats) -> Floats:
         """The same of up to LANES right-hand sides whose rows, like those of the result, are in `order`."""
-        result = self._solved(sides)
+        count, width = sides.shape
+        self._solve_in_room(sides)
+        result = self._room[:count, :width].copy()
         if self._refining is not None:
-            result += self._solved(sides - self._refining @ result)
+            left = self._refining @ result
+            self._solve_in_room(np.subtract(sides, left, out=left))
+            result += self._room[:count, :width]
         return result
 
-    def _solved(self, sides: Floats) -> Floats:
+    def _solve_in_room(self, sides: Floats) -> None:
         count, width = sides.shape
         self._room[:count, :width] = sides
         self._room[:count, width:] = 0.0
         self._room[count:] = 0.0
         solve(*self._columns, self._room)
-        return np.asfortranarray(self._room[:count, :width])
 
 
 def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Columns:
