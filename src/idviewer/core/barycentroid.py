@@ -28,6 +28,7 @@ STARTS = 3
 START_RADIUS = 0.02
 LAST_RADIUS = 2.5e-7
 MOST_ROUNDS = 60
+SHRINKING = 0.25
 
 FLATTEST = 1e-8
 """Least curvature that a step trusts, as a share of the largest: after a long time one eigenvector dominates,
@@ -72,13 +73,10 @@ def barycentroid_steps(
     if not inside.any():
         kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
         raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
-    best: Barycentroid | None = None
+    ends: list[Barycentroid] = []
     for start in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal):
-        candidate = yield from _descend(potential, start, shape.diagonal, last_radius)
-        if best is None or candidate.potential < best.potential:
-            best = candidate
-    assert best is not None
-    return best
+        yield from _descend(potential, start, shape.diagonal, last_radius, ends)
+    return min(ends, key=lambda end: end.potential)
 
 
 def interior_samples(shape: Shape) -> Floats:
@@ -134,38 +132,51 @@ def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:
 
 
 def _descend(
-    potential: Evaluate, start: Floats, diagonal: float, last_radius: float
-) -> Generator[float | None, None, Barycentroid]:
-    """Follow U^2 downhill by quadratic models fitted within a trust radius.
+    potential: Evaluate, start: Floats, diagonal: float, last_radius: float, ends: list[Barycentroid]
+) -> Generator[float | None, None, None]:
+    """Follow U^2 downhill by quadratic models fitted within a trust radius, and add where that ends.
 
     Evaluating a block of points costs little more than one, so the model is fitted to a whole stencil,
-    and the step is tried at several lengths at once.
+    whose step is tried together with the stencil to follow and with steps of other lengths. A descent that
+    comes to an end that is known already, and lower, is given up.
     """
-    point, radius = start, START_RADIUS * diagonal
-    path = [point]
     model = _Model.of(len(start))
+    around = len(model.stencil)
+    point, radius, path = start, START_RADIUS * diagonal, [start]
+    heights = yield from potential(point + radius * model.stencil)
     for _ in range(MOST_ROUNDS):
-        if radius < last_radius * diagonal:
+        if radius < last_radius * diagonal or _joins(point, heights[0], radius, ends):
             break
-        values = yield from potential(point + radius * model.stencil)
-        squares = values**2
-        if not np.isfinite(squares).all():
+        if not np.isfinite(heights).all():
+            if not np.isfinite(heights[0]):
+                break
             radius *= 0.5
-            if np.isfinite(squares[0]):
-                continue
-            break
-        step = model.step(squares) * radius
-        trials = point + np.outer(_LENGTHS, step)
-        heights = np.concatenate([values, (yield from potential(trials))])
-        candidates = np.concatenate([point + radius * model.stencil, trials])
-        lowest = int(np.nanargmin(heights))
+            heights = yield from potential(point + radius * model.stencil)
+            continue
+        step = model.step(heights**2) * radius
+        length = float(np.linalg.norm(step))
+        closer = min(max(2.0 * length, SHRINKING * radius), 2.0 * radius)
+        tried = np.concatenate([point + step + closer * model.stencil, point + np.outer(_LENGTHS, step)])
+        found = yield from potential(tried)
+        if found[0] < heights[0] and not found[around:].min() < found[0]:
+            point, radius, heights = tried[0], closer, found[:around]
+            path.append(point)
+            continue
+        candidates = np.concatenate([point + radius * model.stencil, tried])
+        lowest = int(np.nanargmin(np.concatenate([heights, found])))
         moved = float(np.linalg.norm(candidates[lowest] - point))
         if lowest > 0:
             point = candidates[lowest]
             path.append(point)
-        radius = min(max(2.0 * moved, 0.25 * radius), radius if moved < radius else 2.0 * radius)
-    final = yield from potential(point[None])
-    return Barycentroid(point, float(final[0]), np.array(path))
+        radius = min(max(2.0 * moved, SHRINKING * radius), radius if moved < radius else 2.0 * radius)
+        heights = yield from potential(point + radius * model.stencil)
+    if not _joins(point, heights[0], radius, ends):
+        ends.append(Barycentroid(point, float(heights[0]), np.array(path)))
+
+
+def _joins(point: Floats, height: float, radius: float, ends: list[Barycentroid]) -> bool:
+    """Whether an end that is no higher lies within the trust radius."""
+    return any(end.potential <= height and np.linalg.norm(end.point - point) < radius for end in ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,4 +220,5 @@ class _Model:
         return step if length <= 2.0 else step * (2.0 / length)
 
 
-_LENGTHS = 2.0 ** np.arange(-3.0, 3.0)
+_LENGTHS = np.array([0.25, 0.5, 2.0])
+"""Shares of a step that are tried beside it; with the stencil, points fill a block."""
