@@ -11,8 +11,8 @@ from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Failure, OpenRequest
 
 LINE = (
-    r"^ball has 2,562 vertices and would need about 23 MB; this machine has 9 MB: "
-    r"simplify it to about 1,000 vertices$"
+    r"^ball has 2,562 vertices and would need about 51 MB; this machine has 9 MB: "
+    r"simplify it to about 450 vertices$"
 )
 
 

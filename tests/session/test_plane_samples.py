@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from tests.session.bodies import egg, random_planes
 
-from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, read_mesh, sample_path
+from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, read_mesh, room, sample_path
 from idviewer.core.steps import finish
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.plane_samples import PlaneSamples
-from idviewer.session.sampler import QUICK_FACES, Sampler
+from idviewer.session.sampler import AFFORDABLE, QUICK_FACES, Sampler
 from idviewer.session.state import Frame, FrameRequest, Query
 
 HAND = read_mesh(sample_path("hand_2k"))
@@ -233,3 +233,8 @@ def test_on_a_small_mesh_every_sample_is_exact():
     samples = PlaneSamples(sampler, Plane((0.1, 0, 0), (1.0, 0, 0)), 30000)
     assert samples.levels == 3
     assert [finish(samples.level_steps(level)).rtol for level in range(3)] == [0.0, 0.0, 0.0]
+
+
+def test_the_memory_foretold_counts_with_the_trees_that_are_built():
+    """A compact shape has twice as many facets as vertices, and some 170 modes."""
+    assert 160 < AFFORDABLE / (2 * room.SMALL) < 180

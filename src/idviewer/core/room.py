@@ -1,4 +1,4 @@
-"""How much memory a shape's eigenpairs need, and a refusal before the work where the machine has less."""
+"""How much memory a shape needs, and a refusal before the work where the machine has less."""
 
 from __future__ import annotations
 
@@ -11,17 +11,12 @@ from pathlib import Path
 from idviewer.core.mesh import MeshError
 from idviewer.core.shape import Shape
 
-MODES = 170
-"""What compact shapes need by the paper's rule; others need fewer."""
+OF_A_VERTEX = 10.6e3
+"""Bytes for each vertex of a compact shape, which has 170 to 180 modes; others need less."""
 
-VECTORS_OF_A_MODE = 5.5
-"""Long vectors held at once for each mode: three and a half of the basis, two copies of the eigenvector."""
-
-SURFACE = 800.0
-"""Bytes for each vertex of the surface itself, while it is read and looked at."""
-
-OF_AN_ENTRY, OF_AN_ENTRY_MADE = 20.0, 92.0
-"""Bytes for each entry of the factor: while it is used, and while it is made."""
+OF_A_SMALL_ONE = 19.8e3
+SMALL = 117_000
+"""On shapes of up to so many vertices, slices have two trees instead of one, and need so much."""
 
 LIMITS = (
     Path("/sys/fs/cgroup/memory.max"),
@@ -33,16 +28,12 @@ LIMITS = (
 def needed_bytes(vertices: int) -> float:
     """About how many bytes it takes to open a mesh of so many vertices, at most at one time.
 
-    The factor's entries for each vertex grow by five with each doubling, as nested dissection has it (George
-    1973: n log n). Measured from 27,000 to 540,000 vertices; see docs/eigenpairs.md.
+    Measured from 27,000 to 540,000 vertices, from reading to slices; see docs/eigenpairs.md.
 
     >>> round(needed_bytes(500_000) / 1e9, 1)
-    4.8
+    5.3
     """
-    entries = max(5.1 * math.log2(max(vertices, 1)) - 28.0, 10.0)
-    made = OF_AN_ENTRY_MADE * entries
-    used = OF_AN_ENTRY * entries + 8.0 * VECTORS_OF_A_MODE * MODES
-    return vertices * (SURFACE + max(made, used))
+    return max(OF_A_VERTEX * vertices, OF_A_SMALL_ONE * min(vertices, SMALL))
 
 
 def vertices_for(room: float) -> int:
@@ -74,7 +65,7 @@ def room_bytes() -> float:
 
 
 def check_room(shape: Shape, room: float | None = None) -> None:
-    """Refuses a mesh whose eigenpairs do not fit into memory, in an instant.
+    """Refuses a mesh that does not fit into memory with its eigenpairs and samples, in an instant.
 
     Args:
         shape: polygons are let through.
@@ -88,7 +79,7 @@ def check_room(shape: Shape, room: float | None = None) -> None:
     ...     check_room(read_mesh(sample_path("hand_2k")), room=9e6)
     ... except MeshError as error:
     ...     print(str(error)[:54])
-    hand_2k has 2,500 vertices and would need about 22 MB;
+    hand_2k has 2,500 vertices and would need about 50 MB;
     """
     count, room = len(shape.vertices), room_bytes() if room is None else room
     if shape.dimension == 2 or needed_bytes(count) <= room:
