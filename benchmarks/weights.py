@@ -16,7 +16,7 @@ from idviewer.core import MeanValueCoordinates
 TITLE = "Exact weights of a point"
 NOTE = "The error is the largest difference to VTK's weights."
 OURS, THEIRS = 64, 16
-"""Points a call. For results of more than 32 MB the system is asked for memory each time, which takes as long."""
+"""Points a call. Of more, results take over 32 MB, which the system gives anew each time, and slowly."""
 
 
 def rows(settings: Settings) -> Iterator[Row]:

@@ -64,6 +64,19 @@ def own_caches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+MANY = 1000
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled(request: pytest.FixtureRequest, own_caches: Path) -> None:
+    """Compiles the largest kernels on two cores before many tests, which would come to them one by one."""
+    if request.session.testscollected > MANY:
+        from idviewer.core.compilation import compile_steps
+        from idviewer.core.steps import finish
+
+        finish(compile_steps(3))
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Marks as slow all but the first of a test's parameters where one of them is enough for `make check`."""

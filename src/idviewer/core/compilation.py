@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Generator
 
 import numpy as np
@@ -23,6 +26,14 @@ from idviewer.core.steps import finish
 from idviewer.core.symmetric_factor import SymmetricFactor
 from idviewer.core.tall_basis import TallBasis
 
+Calls = list[Callable[[], object]]
+
+COLD = 1.0
+"""Seconds that the first kernel takes at least where it has to be compiled; from a cache it takes a tenth."""
+
+PATIENCE = 0.05
+"""Seconds between two looks at another process."""
+
 
 def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[float, None, None]:
     """Compile every kernel that shapes of a dimension need with these coordinates, or read it from a cache.
@@ -38,16 +49,51 @@ def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[
     """
     shape: Shape = _triangle() if dimension == 2 else _spindle(LANES)
     kind = coordinates_of(shape, coordinates)
-    calls = [
-        *(_flat_calls() if dimension == 2 else _spatial_calls()),
-        lambda: kind.weights(np.full((1, dimension), 0.1)),
-    ]
-    for done, call in enumerate(calls):
+    calls = _flat_calls() if dimension == 2 else _spatial_calls()
+    calls.append(lambda: kind.weights(np.full((1, dimension), 0.1)))
+    last = _tree_calls() if dimension == 3 else []
+    number, helper = len(calls) + len(last), None
+    start = time.perf_counter()
+    try:
+        for done, call in enumerate(calls):
+            call()
+            if done == 0 and last and time.perf_counter() - start > COLD:
+                helper = _compiling_trees()
+            yield (done + 1) / number
+        while helper is not None and helper.poll() is None:
+            time.sleep(PATIENCE)
+            yield len(calls) / number
+        for done, call in enumerate(last):
+            call()
+            yield (len(calls) + done + 1) / number
+    finally:
+        if helper is not None:
+            helper.kill()
+            helper.wait()
+
+
+def compile_trees() -> None:
+    """Compile the kernels of cluster trees alone."""
+    for call in _tree_calls():
         call()
-        yield (done + 1) / len(calls)
 
 
-def _flat_calls() -> list[Callable[[], object]]:
+def _compiling_trees() -> subprocess.Popen[bytes] | None:
+    """Another process: one alone compiles on a single core. What it did is in the cache afterwards.
+
+    Where there cannot be one, nothing is lost but time.
+    """
+    if not sys.executable or getattr(sys, "frozen", False):  # a frozen program's executable is the program
+        return None
+    command = [sys.executable, "-c", f"from {__name__} import compile_trees; compile_trees()"]
+    quiet = subprocess.DEVNULL
+    try:
+        return subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet)
+    except OSError:
+        return None
+
+
+def _flat_calls() -> Calls:
     triangle = _triangle()
     return [
         lambda: cut_ears(triangle.vertices.copy(), np.array([0, 3])),
@@ -55,12 +101,11 @@ def _flat_calls() -> list[Callable[[], object]]:
     ]
 
 
-def _spatial_calls() -> list[Callable[[], object]]:
+def _spatial_calls() -> Calls:
     spindle = _spindle(LANES)
     corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
     scratch, landing = kernels.scratch_for(surface, 1), kernels.no_landing(1)
-    approximation = MeshMeanValue(spindle).approximation(corners, np.ones(3))
     return [
         lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),
@@ -79,6 +124,13 @@ def _spatial_calls() -> list[Callable[[], object]]:
         lambda: Ground(spindle).land(corners),
         lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(_unit_basis().combination_steps(np.empty((0, 1)), np.arange(LANES))),
+    ]
+
+
+def _tree_calls() -> Calls:
+    spindle = _spindle(LANES)
+    approximation = MeshMeanValue(spindle).approximation(spindle.vertices, np.ones(3))
+    return [
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]
