@@ -24,9 +24,8 @@ class Helper:
     def kill(self) -> None:
         self.ended = True
 
-    def wait(self) -> int:
+    def communicate(self) -> None:
         assert self.ended
-        return 1
 
 
 @pytest.fixture
@@ -72,6 +71,19 @@ def test_the_other_process_compiles_the_trees():
     helper = compilation._compiling_trees()
     assert isinstance(helper, subprocess.Popen)
     assert helper.wait(timeout=150) == 0
+    helper.communicate()
+
+
+@pytest.mark.slow
+def test_the_other_process_ends_with_this_one(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))  # where there is plenty to do
+    helper = compilation._compiling_trees()
+    assert isinstance(helper, subprocess.Popen)
+    with pytest.raises(subprocess.TimeoutExpired):
+        helper.wait(timeout=5)
+    assert helper.stdin is not None
+    helper.stdin.close()  # as when a process ends
+    assert helper.wait(timeout=20) == 1
 
 
 def test_nothing_is_started_where_the_kernels_are_there(monkeypatch):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Generator
 
@@ -69,13 +71,19 @@ def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[
     finally:
         if helper is not None:
             helper.kill()
-            helper.wait()
+            helper.communicate()
 
 
 def compile_trees() -> None:
-    """Compile the kernels of cluster trees alone."""
+    """Compile the kernels of cluster trees alone, as long as there is somebody at the other end of stdin."""
+    threading.Thread(target=_end_with_stdin, daemon=True).start()
     for call in _tree_calls():
         call()
+
+
+def _end_with_stdin() -> None:
+    sys.stdin.read()
+    os._exit(1)
 
 
 def _compiling_trees() -> subprocess.Popen[bytes] | None:
@@ -88,7 +96,7 @@ def _compiling_trees() -> subprocess.Popen[bytes] | None:
     command = [sys.executable, "-c", f"from {__name__} import compile_trees; compile_trees()"]
     quiet = subprocess.DEVNULL
     try:
-        return subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet)
+        return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet)
     except OSError:
         return None
 
