@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from pytestqt.qtbot import QtBot
 from tests.view.polygons import star
-from tests.view.test_keeping_up import Clock, TimedPost
+from tests.view.test_keeping_up import UNDISTURBED, Clock, TimedPost
 from tests.view.windows import show_window, wait_until_done
 
 from idviewer import app
 from idviewer.view.viewport import Viewport
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.alone]
 BUDGET = 0.006
 """Seconds, for 200 vertices."""
 
@@ -41,4 +41,4 @@ def test_a_step_costs_the_event_loop_little(qtbot: QtBot, monkeypatch: pytest.Mo
         qtbot.wait(20)
         assert np.array_equal(frame.shape.vertices, vertices)
         costs.append(clock.seconds)
-    assert np.median(costs) < BUDGET
+    assert np.quantile(costs, UNDISTURBED) < BUDGET

@@ -42,6 +42,10 @@ BUDGET = 0.004
 """Seconds of the event loop for a frame with 20,000 values; a screen shows a picture for 0.016."""
 
 
+UNDISTURBED = 0.25
+"""Of so many frames nothing else on the machine takes part in the cost: sharing a core only adds to it."""
+
+
 class Clock:
     """Adds up the time that calls take."""
 
@@ -59,6 +63,7 @@ class Clock:
         return timed
 
 
+@pytest.mark.alone
 def test_a_frame_costs_the_event_loop_little_but_for_drawing(
     qtbot: QtBot, mouse: Mouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -92,7 +97,7 @@ def test_a_frame_costs_the_event_loop_little_but_for_drawing(
         qtbot.waitUntil(lambda: looks.seconds > 0.0)
         costs.append((frames.seconds, looks.seconds))
     assert "Euclidean" in window.status.probe.text()
-    assert np.all(np.median(costs, axis=0) < BUDGET)
+    assert np.all(np.quantile(costs, UNDISTURBED, axis=0) < BUDGET)
 
 
 class TimedPost(Post):

@@ -60,14 +60,20 @@ def _add_inner_products(basis, base, block, first, end, sums, place):  # type: i
             c, d = c + at(basis, q + 2) * x, d + at(basis, q + 3) * x
             e, f = e + at(basis, q + 4) * x, f + at(basis, q + 5) * x
             g, h = g + at(basis, q + 6) * x, h + at(basis, q + 7) * x
-        store(sums, to, a)
-        store(sums, to + LANES, b)
-        store(sums, to + 2 * LANES, c)
-        store(sums, to + 3 * LANES, d)
-        store(sums, to + 4 * LANES, e)
-        store(sums, to + 5 * LANES, f)
-        store(sums, to + 6 * LANES, g)
-        store(sums, to + 7 * LANES, h)
+        _store_all(sums, to, a, b, c, d, e, f, g, h)
+
+
+@numba.njit(**PLAIN)
+def _store_all(array, place, a, b, c, d, e, f, g, h):  # type: ignore[no-untyped-def]
+    """ABREAST vectors, one after the other."""
+    store(array, place, a)
+    store(array, place + LANES, b)
+    store(array, place + 2 * LANES, c)
+    store(array, place + 3 * LANES, d)
+    store(array, place + 4 * LANES, e)
+    store(array, place + 5 * LANES, f)
+    store(array, place + 6 * LANES, g)
+    store(array, place + 7 * LANES, h)
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
@@ -140,14 +146,7 @@ def _subtract_from_rows(basis, blocks, coefficients, place, share, block, row, o
             c, d = c - at(basis, q + 2 * LANES) * x, d - at(basis, q + 3 * LANES) * x
             e, f = e - at(basis, q + 4 * LANES) * x, f - at(basis, q + 5 * LANES) * x
             g, h = g - at(basis, q + 6 * LANES) * x, h - at(basis, q + 7 * LANES) * x
-    store(out, end, a)
-    store(out, end + LANES, b)
-    store(out, end + 2 * LANES, c)
-    store(out, end + 3 * LANES, d)
-    store(out, end + 4 * LANES, e)
-    store(out, end + 5 * LANES, f)
-    store(out, end + 6 * LANES, g)
-    store(out, end + 7 * LANES, h)
+    _store_all(out, end, a, b, c, d, e, f, g, h)
 
 
 @numba.njit(**PLAIN)
