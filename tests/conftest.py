@@ -7,8 +7,6 @@ import hashlib
 import importlib.util
 import os
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import hypothesis
@@ -31,13 +29,12 @@ def use_kernels_of_these_sources() -> None:
     sources = [*sorted((CORE / "_kernels").glob("*.py")), CORE / "_angle_ratio.py"]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     for older in CACHES.glob("*"):
-        if older.is_dir() and older.name != digest:
+        if older.name != digest:
             shutil.rmtree(older, ignore_errors=True)
     os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHES / digest))
 
 
 use_kernels_of_these_sources()
-CACHES.mkdir(exist_ok=True)
 
 OPTIONS_OF = {
     "pytestqt": ["qt_api"],
@@ -72,35 +69,15 @@ MANY = 1000
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled(request: pytest.FixtureRequest, own_caches: Path) -> None:
+def compiled(request: pytest.FixtureRequest, own_caches: Path, locks: Path) -> None:
     """Compiles the largest kernels on two cores before many tests, which would come to them one by one."""
     if request.session.testscollected > MANY:
         from idviewer.core.compilation import compile_steps
         from idviewer.core.steps import finish
 
-        with held("compiling"):
+        with (locks / "compiling").open("w") as file:  # where there are two processes, one does it
+            fcntl.flock(file, fcntl.LOCK_EX)
             finish(compile_steps(3))
-
-
-@pytest.fixture(autouse=True)
-def turn(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Where several processes share out the tests: has one that is marked so run while no other does."""
-    if "PYTEST_XDIST_WORKER" not in os.environ:
-        yield
-        return
-    alone = request.node.get_closest_marker("alone") is not None
-    with (CACHES / "room.lock").open("w") as room:
-        with held("queue"):  # so that who wants to be alone is not overtaken for ever
-            fcntl.flock(room, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
-        yield
-
-
-@contextmanager
-def held(name: str) -> Iterator[None]:
-    """What one process at a time may do."""
-    with (CACHES / f"{name}.lock").open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
 
 
 @pytest.hookimpl(tryfirst=True)

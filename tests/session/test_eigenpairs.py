@@ -191,6 +191,7 @@ def test_clearing_while_something_is_computed(cache):
     assert frames(told)[-1].remarks == ()
 
 
-def test_without_a_cache_nothing_is_written(own_caches):
+def test_without_a_cache_nothing_is_written(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     results(None)
-    assert not (own_caches / "idviewer").exists()
+    assert not list(tmp_path.iterdir())
