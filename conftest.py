@@ -11,9 +11,11 @@ import pytest
 
 
 @pytest.fixture(scope="session")
-def locks(pytestconfig: pytest.Config) -> Path:
-    """The folder of files that processes lock."""
-    return pytestconfig.cache.mkdir("locks")
+def locks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of files that processes lock; it is the same for all that share out the tests."""
+    folder = tmp_path_factory.getbasetemp().parent / "locks"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @pytest.fixture(autouse=True)

@@ -2,7 +2,7 @@
 
 Ours and theirs take turns in the same run, and medians are compared, so that a busy machine disturbs both
 alike. Errors are true ones, taken outside of the timed part. The tables go to standard output, everything
-measured to benchmarks/results/latest.json; --readme puts the README's table in its place. Takes some eight
+measured to benchmarks/results/latest.json; --readme puts the README's table in its place. Takes some twenty
 minutes on two cores.
 """
 
