@@ -13,8 +13,8 @@ from idviewer import app
 from idviewer.view.viewport import Viewport
 
 pytestmark = [pytest.mark.slow, pytest.mark.alone]
-BUDGET = 0.006
-"""Seconds, for 200 vertices."""
+BUDGET = 0.008
+"""Seconds, for 200 vertices: half the time that a screen shows a picture."""
 
 
 def test_a_step_costs_the_event_loop_little(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> None:

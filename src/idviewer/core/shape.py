@@ -77,7 +77,7 @@ def in_space(points: ArrayLike) -> Floats:
     [[1.0, 2.0, 0.0]]
     """
     array = np.asarray(points, dtype=np.float64)
-    return np.pad(array, ((0, 0), (0, 1))) if array.shape[1] == 2 else array
+    return np.column_stack([array, np.zeros(len(array))]) if array.shape[1] == 2 else array
 
 
 def as_pairs(p: ArrayLike, q: ArrayLike, dimension: int) -> tuple[Floats, Floats]:
