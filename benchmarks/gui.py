@@ -21,7 +21,7 @@ from idviewer.view.scene import Scene
 TITLE = "A frame in the window's thread"
 NOTE = (
     "A slice of 20,000 points put into the scene, with what the mouse picks by; then also drawn into 16 x 16 "
-    "pixels, less the drawing of an unchanged scene."
+    "pixels, less the drawing of an unchanged scene. As in a plane's drag, the colours' range stays."
 )
 NODES, SIDE, TIMES = 20_000, 16, 10
 IN_WINDOW = Bar(4.0)
@@ -70,11 +70,13 @@ def _spent(scene: Scene, draw: Callable[[], None], frames: list[Frame], turns: i
 
 
 def frame_of(body: Body, shift: float) -> Frame:
-    """A frame of many points, with distances in space for values."""
+    """A frame of many points, with distances in space for values; colours span those of the whole body."""
     mesh, plane = body.mesh, default_plane(body.mesh).moved(shift * body.mesh.diagonal)
     cut = section(mesh, plane)
     filled = slice_mesh(cut, spacing_for(cut, NODES))
-    values = np.linalg.norm(filled.points - mesh.vertices[0], axis=1)
+    values, all_values = (
+        np.linalg.norm(p - mesh.vertices[0], axis=1) for p in (filled.points, mesh.vertices)
+    )
     outline = tuple(loop.astype(np.int32) for loop in cut.loops)
     one = Slice(plane, filled.points, filled.triangles, values, outline)
     return Frame(
@@ -86,6 +88,6 @@ def frame_of(body: Body, shift: float) -> Frame:
         error=0.0,
         source=mesh.vertices[0],
         barycentroid=mesh.vertices[0],
-        value_range=(0.0, float(values.max())),
+        value_range=(0.0, float(all_values.max())),
         title="Distance",
     )

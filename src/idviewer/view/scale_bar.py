@@ -40,6 +40,7 @@ class ScaleBar:
         self._ruling = _flat(self._lines, layer=1)
         self._ruling.GetProperty().SetColor(INK)
         self._shown: tuple[object, ...] | None = None
+        self._filling: tuple[object, ...] | None = None
 
     @property
     def actors(self) -> tuple[vtkProp, ...]:
@@ -74,7 +75,10 @@ class ScaleBar:
         labels_left = -RIGHT - CHARACTER * max(map(len, texts), default=0)
         right = labels_left - GAP
         box = np.array([right - WIDTH, -HEIGHT / 2, right, HEIGHT / 2])
-        _fill(self._colors, scale * box, rgb)
+        filling = tuple((scale * box).tolist()), rgb.tobytes()
+        if filling != self._filling:  # most often only the labels change from frame to frame
+            self._filling = filling
+            _fill(self._colors, scale * box, rgb)
         _rule(self._lines, scale * box, scale * heights, isolines, scale)
         self._ruling.GetProperty().SetLineWidth(scale)
         for actor in (self._bar, self._ruling):
