@@ -20,6 +20,7 @@ from idviewer.core._kernels.lanes import (
     store,
     total,
     transpose,
+    widened,
 )
 
 
@@ -92,3 +93,14 @@ def mixed(array, other):
 def test_vectors_of_two_precisions_do_not_mix():
     with pytest.raises(numba.TypingError):
         mixed(np.zeros(LANES), np.zeros(LANES, np.float32))
+
+
+@pytest.mark.slow
+def test_widened_numbers_are_the_same(rng):
+    @numba.njit
+    def widen(array, out):
+        store(out, 0, widened(load(array, 0)))
+
+    array, out = rng.normal(size=LANES).astype(np.float32), np.empty(LANES)
+    widen(array, out)
+    np.testing.assert_array_equal(out, array)

@@ -84,22 +84,21 @@ class ClusterTree:
         depth = max(0, math.ceil(math.log2(len(faces) / LANES)))
         ordered = faces[halved(positions[faces].mean(axis=1), depth)]
         yield 0.1
-        columns = FIRST_VALUE + values.shape[1]
-        table = np.zeros((len(positions), -(-columns // LANES) * LANES))
-        table[:, 0], table[:, POSITION:FIRST_VALUE], table[:, FIRST_VALUE:columns] = 1.0, positions, values
-        counts = np.zeros(table.shape[1])
-        counts[:FIRST_VALUE], counts[FIRST_VALUE:columns] = 1.0, weights
-        plan = Plan(tolerance * LEAST_TOTAL, SHARE, TABLES)
-        source = Source(positions, ordered, table, counts, depth)
-        nodes, factors = yield from _summed(source, plan)
         first_face = (len(faces) * np.arange((1 << depth) + 1)) >> depth
         leaves = leaves_of(positions, ordered, first_face)
-        yield 0.95
-        rows = aligned((len(leaves.vertices), table.shape[1]))
+        yield 0.2
+        columns = FIRST_VALUE + values.shape[1]
+        rows = aligned((len(leaves.vertices), -(-columns // LANES) * LANES))
         for start in range(0, len(rows), ROWS):
             part = slice(start, start + ROWS)
-            rows[part] = table[leaves.vertices[part]]
-            yield 0.95 + 0.05 * start / len(rows)
+            vertices = leaves.vertices[part]
+            rows[part, 0], rows[part, POSITION:FIRST_VALUE] = 1.0, positions[vertices]
+            rows[part, FIRST_VALUE:columns] = values[vertices]
+            yield 0.2 + 0.1 * start / len(rows)
+        counts = np.zeros(rows.shape[1])
+        counts[:FIRST_VALUE], counts[FIRST_VALUE:columns] = 1.0, weights
+        source = Source(*leaves[1:], rows, counts, depth)
+        nodes, factors = yield from _summed(source, Plan(tolerance * LEAST_TOTAL, SHARE, TABLES))
         records = aligned((2 << depth, RECORD))
         records[:] = records_of(nodes)
         return cls(Tree(depth, records, factors, leaves, rows), nodes, on_surface)
@@ -153,7 +152,8 @@ def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, F
     at_once = min(SUBTREES_AT_ONCE, 1 << level)
     kept = np.empty((1 << level, COEFFICIENTS, width))
     room = _room_for(FACTORS_OF_A_NODE * (2 << (source.depth - level)), width, at_once)
-    desks = desks_for(width, source.depth - level + 1, at_once)
+    largest = int(np.diff(source.first_row).max())
+    desks = desks_for(width, largest, source.depth - level + 1, at_once)
     used, parts, total = np.empty(at_once, dtype=np.int64), [], 0
     for first in range(1 << level, 2 << level, at_once):
         sum_subtrees(source, first, level, *plan, nodes, room, desks, used, kept)
@@ -162,7 +162,7 @@ def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, F
                 nodes.first[(first + i) << rise : (first + i + 1) << rise] += total
             parts.append(Factors(*(array[i, : used[i]].copy() for array in room)))
             total += int(used[i])
-        yield 0.1 + 0.8 * (first + at_once - (1 << level)) / (1 << level)
+        yield 0.3 + 0.6 * (first + at_once - (1 << level)) / (1 << level)
     top, used_by_top = _room_for(FACTORS_OF_A_NODE << level, width, 1), 0
     for above in range(level - 1, -1, -1):
         used_by_top = sum_level(source, above, *plan, nodes, top, desks, kept, used_by_top)

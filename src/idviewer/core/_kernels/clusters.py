@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from idviewer.core._kernels.expansion import ORDER
 from idviewer.core._kernels.faces import OPTIONS, PLAIN
 from idviewer.core._kernels.factors import Factors, Plan, bound_errors, desk_of, factor
+from idviewer.core._kernels.lanes import LANES
 from idviewer.core._kernels.moments import add_shifted, clear_moments, copy_moments, leaf_moments
 
 Floats = NDArray[np.float64]
@@ -46,30 +47,37 @@ class Nodes(NamedTuple):
 
 
 @numba.njit(**PLAIN)
-def _enclose(source, low, high, centre):  # type: ignore[no-untyped-def]
-    """Centre and radius of a ball around some faces."""
-    positions, faces = source.positions, source.faces
+def _enclose(source, node, level, nodes):  # type: ignore[no-untyped-def]
+    """The ball of a node: its centre and radius."""
+    corners, middles, centre = source.corners, source.centres, nodes.centres[node]
+    rise = source.depth - level
+    first = (node - (1 << level)) << rise
+    end = first + (1 << rise)
     for axis in range(3):
         lowest, highest = np.inf, -np.inf
-        for f in range(low, high):
+        for leaf in range(first, end):
             for corner in range(3):
-                value = positions[faces[f, corner], axis]
-                lowest, highest = min(lowest, value), max(highest, value)
+                for face in range(LANES):  # the last is repeated where there are fewer
+                    value = middles[leaf, axis] + corners[leaf, corner, axis, face]
+                    lowest, highest = min(lowest, value), max(highest, value)
         # In single precision, as points that go down the tree will read it.
         centre[axis] = np.float32(0.5 * (lowest + highest))
     largest = 0.0
-    for f in range(low, high):
+    for leaf in range(first, end):
+        x, y, z = middles[leaf, 0] - centre[0], middles[leaf, 1] - centre[1], middles[leaf, 2] - centre[2]
         for corner in range(3):
-            square = 0.0
-            for axis in range(3):
-                square += (positions[faces[f, corner], axis] - centre[axis]) ** 2
-            largest = max(largest, square)
-    return math.sqrt(largest)
+            for face in range(LANES):
+                a, b = x + corners[leaf, corner, 0, face], y + corners[leaf, corner, 1, face]
+                c = z + corners[leaf, corner, 2, face]
+                largest = max(largest, a * a + b * b + c * c)
+    nodes.radii[node] = math.sqrt(largest)
 
 
 @numba.njit(**PLAIN)
 def _finish(moments, node, source, plan, nodes, factors, first, desk):  # type: ignore[no-untyped-def]
-    """Bounds and factors of a node whose moments are complete; returns where the next node's begin."""
+    """What a node whose moments are complete keeps of them; returns where the next node's factors begin."""
+    for axis in range(3):
+        nodes.areas[node, axis] = -2.0 * moments[axis, 0]  # column 0 is all ones: -1/2 integral n dA
     bound_errors(moments, source.weights, nodes.radii[node], plan.tables, nodes.bounds[node])
     distance = nodes.bounds[node, ORDER] / plan.tolerance ** (1.0 / (ORDER + 3))
     distance = max(distance, CLEARANCE * nodes.radii[node])
@@ -81,23 +89,11 @@ def _finish(moments, node, source, plan, nodes, factors, first, desk):  # type: 
 
 
 @numba.njit(**PLAIN)
-def _enclose_node(source, node, level, nodes):  # type: ignore[no-untyped-def]
-    """The ball of a node; returns its range of faces."""
-    count, place = source.faces.shape[0], node - (1 << level)
-    low, high = (count * place) >> level, (count * (place + 1)) >> level
-    nodes.radii[node] = _enclose(source, low, high, nodes.centres[node])
-    return low, high
-
-
-@numba.njit(**PLAIN)
-def _join(left, right, node, tables, nodes, powers, result):  # type: ignore[no-untyped-def]
+def _join(left, right, node, tables, nodes, desk, result):  # type: ignore[no-untyped-def]
     """A node's moments from its children's."""
-    centres, areas = nodes.centres, nodes.areas
     clear_moments(result)
-    add_shifted(left, 2 * node, node, centres, tables, powers, result)
-    add_shifted(right, 2 * node + 1, node, centres, tables, powers, result)
-    for axis in range(3):
-        areas[node, axis] = areas[2 * node, axis] + areas[2 * node + 1, axis]
+    add_shifted(left, 2 * node, node, nodes.centres, tables, desk, result)
+    add_shifted(right, 2 * node + 1, node, nodes.centres, tables, desk, result)
 
 
 @numba.njit(**PLAIN)
@@ -110,14 +106,14 @@ def _sum_subtree(source, top, level, plan, nodes, factors, desk, kept):  # type:
     height, used = source.depth - level, 0
     waiting, joined = desk.waiting, desk.joined
     for leaf in range(top << height, (top + 1) << height):
-        low, high = _enclose_node(source, leaf, source.depth, nodes)
-        leaf_moments(source, low, high, nodes.centres[leaf], plan.tables, desk, kept, nodes.areas[leaf])
+        _enclose(source, leaf, source.depth, nodes)
+        leaf_moments(source, leaf - (1 << source.depth), nodes.centres[leaf], plan.tables, desk, kept)
         used = _finish(kept, leaf, source, plan, nodes, factors, used, desk)
         node, rise = leaf, 0
         while node & 1 and node != top:
             node >>= 1
-            _enclose_node(source, node, source.depth - rise - 1, nodes)
-            _join(waiting[rise], kept, node, plan.tables, nodes, desk.powers, joined)
+            _enclose(source, node, source.depth - rise - 1, nodes)
+            _join(waiting[rise], kept, node, plan.tables, nodes, desk, joined)
             copy_moments(joined, kept)
             used = _finish(kept, node, source, plan, nodes, factors, used, desk)
             rise += 1
@@ -164,8 +160,8 @@ def sum_level(source, level, tolerance, share, tables, nodes, factors, desks, ke
     own = Factors(factors.shapes[0], factors.profiles[0], factors.rests[0])
     for i in range(1 << level):
         node = (1 << level) + i
-        _enclose_node(source, node, level, nodes)
-        _join(kept[2 * i], kept[2 * i + 1], node, tables, nodes, desk.powers, desk.joined)
+        _enclose(source, node, level, nodes)
+        _join(kept[2 * i], kept[2 * i + 1], node, tables, nodes, desk, desk.joined)
         copy_moments(desk.joined, kept[i])
         used = _finish(kept[i], node, source, plan, nodes, own, used, desk)
     return used

@@ -16,8 +16,8 @@ from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from idviewer.core._kernels.faces import OPTIONS
-from idviewer.core._kernels.lanes import LANES, LanesType
+from idviewer.core._kernels.faces import OPTIONS, PLAIN
+from idviewer.core._kernels.lanes import LANES, LanesType, load, splat, store
 
 Index = tuple[int, int, int]
 
@@ -108,6 +108,24 @@ def monomials(x, y, z, result):  # type: ignore[no-untyped-def]
             place += 1
         result[place] = result[end - 1] * z
         place += 1
+        previous = end
+
+
+@numba.njit(**PLAIN)
+def vector_monomials(x, y, z, result):  # type: ignore[no-untyped-def]
+    """The same of LANES points; result is (COEFFICIENTS + 1, LANES)."""
+    store(result, 0, splat(1.0))
+    place, previous = LANES, 0
+    for degree in range(1, ORDER + 1):
+        start, end = previous, place
+        for i in range(start, end, LANES):
+            store(result, place, load(result, i) * x)
+            place += LANES
+        for i in range(end - degree * LANES, end, LANES):
+            store(result, place, load(result, i) * y)
+            place += LANES
+        store(result, place, load(result, end - LANES) * z)
+        place += LANES
         previous = end
 
 

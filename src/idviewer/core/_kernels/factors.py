@@ -9,9 +9,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core._kernels.expansion import COEFFICIENTS, ORDER, Tables
+from idviewer.core._kernels.expansion import COEFFICIENTS, ORDER, TABLES, Tables
 from idviewer.core._kernels.faces import PLAIN
-from idviewer.core._kernels.lanes import LANES, load, splat, store
+from idviewer.core._kernels.lanes import LANES, load, splat, store, total
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -52,8 +52,10 @@ class Desk(NamedTuple):
     """Room for intermediate results, with one more axis in front for as many subtrees.
 
     Attributes:
-        hats: (3, COEFFICIENTS) moments of a face's hat functions.
-        powers: (COEFFICIENTS + 1,) monomials.
+        of_faces: (3, COEFFICIENTS, LANES) moments of a leaf's faces' hat functions.
+        powers_of_faces: (COEFFICIENTS + 1, LANES) monomials at a point of each.
+        hats: (rows of the largest leaf, COEFFICIENTS) moments of its vertices.
+        powers: (COEFFICIENTS + 1,) monomials, and shift_factors: (s,) these times binomials.
         scaled: (COEFFICIENTS, k) moments, with scales: (COEFFICIENTS,) and squares: (k,) of their columns.
         direction: (COEFFICIENTS,) of a shape.
         profile: (k,).
@@ -61,8 +63,11 @@ class Desk(NamedTuple):
         waiting: (levels, COEFFICIENTS, k) moments of left children.
     """
 
+    of_faces: Floats
+    powers_of_faces: Floats
     hats: Floats
     powers: Floats
+    shift_factors: Floats
     scaled: Floats
     scales: Floats
     squares: Floats
@@ -72,12 +77,15 @@ class Desk(NamedTuple):
     waiting: Floats
 
 
-def desks_for(width: int, levels: int, subtrees: int) -> Desk:
-    """Room for so many subtrees of so many levels."""
+def desks_for(width: int, rows: int, levels: int, subtrees: int) -> Desk:
+    """Room for so many subtrees of so many levels, with so many rows in the largest leaf."""
     one = (subtrees, COEFFICIENTS)
     return Desk(
-        np.empty((subtrees, 3, COEFFICIENTS)),
+        np.empty((subtrees, 3, COEFFICIENTS, LANES)),
+        np.empty((subtrees, COEFFICIENTS + 1, LANES)),
+        np.empty((subtrees, rows, COEFFICIENTS)),
         np.empty((subtrees, COEFFICIENTS + 1)),
+        np.empty((subtrees, len(TABLES.shifts))),
         np.empty((*one, width)),
         np.empty(one),
         np.empty((subtrees, width)),
@@ -92,8 +100,11 @@ def desks_for(width: int, levels: int, subtrees: int) -> Desk:
 def desk_of(desks, i):  # type: ignore[no-untyped-def]
     """One subtree's."""
     return Desk(
+        desks.of_faces[i],
+        desks.powers_of_faces[i],
         desks.hats[i],
         desks.powers[i],
+        desks.shift_factors[i],
         desks.scaled[i],
         desks.scales[i],
         desks.squares[i],
@@ -110,15 +121,16 @@ def bound_errors(moments, weights, radius, tables, bounds):  # type: ignore[no-u
 
     Terms of degree n add up to no more than (n + 1) |moments of degree n| / distance^(n + 2).
     """
-    t, size = 0, 0.0
+    t, size, width = 0, 0.0, moments.shape[1]
     for degree in range(1, ORDER + 2):
         if degree <= ORDER:
-            size = 0.0
+            squares = splat(0.0)
             while t < COEFFICIENTS and tables.degrees[t] == degree:
-                for column in range(moments.shape[1]):
-                    size += (weights[column] * moments[t, column] * tables.norms[t]) ** 2
+                for column in range(0, width, LANES):
+                    part = tables.norms[t] * load(weights, column) * load(moments, t * width + column)
+                    squares = squares + part * part
                 t += 1
-            size = math.sqrt(size)
+            size = math.sqrt(total(squares))
         else:
             size *= radius
         if degree > 1:
@@ -143,22 +155,24 @@ def _project_out(direction, moments, profile):  # type: ignore[no-untyped-def]
 def _scale(moments, weights, distance, tables, desk):  # type: ignore[no-untyped-def]
     """Moments by their errors as seen from a distance; leaves them and their columns' squares on the desk."""
     width, scaled, scales, squares = moments.shape[1], desk.scaled, desk.scales, desk.squares
-    for column in range(width):
-        squares[column] = 0.0
     for t in range(COEFFICIENTS):
         degree = tables.degrees[t]
         scales[t] = tables.norms[t] * (degree + 1) / distance ** (degree + 2)
-        for column in range(width):
-            scaled[t, column] = scales[t] * weights[column] * moments[t, column]
-            squares[column] += scaled[t, column] ** 2
+    for column in range(0, width, LANES):
+        weight, sum_ = load(weights, column), splat(0.0)
+        for t in range(COEFFICIENTS):
+            part = scales[t] * weight * load(moments, t * width + column)
+            store(scaled, t * width + column, part)
+            sum_ = sum_ + part * part
+        store(squares, column, sum_)
 
 
 @numba.njit(**PLAIN)
 def _turn_to_largest(scaled, squares, direction):  # type: ignore[no-untyped-def]
     """Unit direction of the largest column; returns the root of all squares."""
-    largest, total, length = 0, 0.0, 0.0
+    largest, sum_, length = 0, 0.0, 0.0
     for column in range(squares.shape[0]):
-        total += squares[column]
+        sum_ += squares[column]
         if squares[column] > squares[largest]:
             largest = column
     for t in range(COEFFICIENTS):
@@ -166,7 +180,7 @@ def _turn_to_largest(scaled, squares, direction):  # type: ignore[no-untyped-def
     over = 1.0 / math.sqrt(length) if length > 0.0 else 0.0
     for t in range(COEFFICIENTS):
         direction[t] = scaled[t, largest] * over
-    return math.sqrt(total)
+    return math.sqrt(sum_)
 
 
 @numba.njit(**PLAIN)

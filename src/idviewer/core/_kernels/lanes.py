@@ -97,6 +97,16 @@ def splat(typingctx, value):  # type: ignore[no-untyped-def]
 
 
 @intrinsic
+def widened(typingctx, a):  # type: ignore[no-untyped-def]
+    """A vector of float32 in float64."""
+
+    def codegen(context, builder, sig, values):  # type: ignore[no-untyped-def]
+        return builder.fpext(values[0], vector_of(sig.return_type))
+
+    return (LanesType(types.float64)(a), codegen) if a == LanesType(types.float32) else None
+
+
+@intrinsic
 def choose(typingctx, mask, a, b):  # type: ignore[no-untyped-def]
     """From a where mask holds and from b elsewhere; one of the two may be a number."""
     lanes = common(a, b)

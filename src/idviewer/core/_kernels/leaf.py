@@ -43,20 +43,36 @@ def leaves_of(positions: Floats, faces: Ints, first_face: Ints) -> Leaves:
     """Leaves of (m, 3) faces that are in order, the i-th from first_face[i] to first_face[i + 1] - 1."""
     counts, leaves = np.diff(first_face), len(first_face) - 1
     padded = faces[first_face[:-1, None] + np.minimum(np.arange(LANES), counts[:, None] - 1)]
-    leaf, vertex_count = np.arange(leaves)[:, None, None], len(positions)
-    rows, corners = np.unique(leaf * vertex_count + padded, return_inverse=True)
-    first_row = np.searchsorted(rows, np.arange(leaves + 1) * vertex_count)
-    local = corners.reshape(leaves, LANES, 3) - first_row[:-1, None, None]
+    vertices, rows = np.empty(3 * len(faces), dtype=np.int64), np.empty((leaves, 3, LANES), dtype=np.int64)
+    first_row = np.zeros(leaves + 1, dtype=np.int64)
+    _number_rows(padded, vertices, rows, first_row)
     centres = positions[padded].mean(axis=(1, 2))
     relative = positions[padded] - centres[:, None, None]
     return Leaves(
-        rows % vertex_count,
+        vertices[: first_row[-1]].copy(),
         first_row,
         counts,
         centres,
         np.ascontiguousarray(relative.transpose(0, 2, 3, 1)),
-        np.ascontiguousarray(local.transpose(0, 2, 1)),
+        rows,
     )
+
+
+@numba.njit(cache=True, **PLAIN)
+def _number_rows(padded, vertices, rows, first_row):  # type: ignore[no-untyped-def]
+    """Give each leaf's vertices rows of their own, in the order of its faces (leaves, LANES, 3)."""
+    for leaf in range(padded.shape[0]):
+        first = end = first_row[leaf]
+        for face in range(padded.shape[1]):
+            for corner in range(3):
+                row = first
+                while row < end and vertices[row] != padded[leaf, face, corner]:
+                    row += 1
+                if row == end:
+                    vertices[row] = padded[leaf, face, corner]
+                    end += 1
+                rows[leaf, corner, face] = row - first
+        first_row[leaf + 1] = end
 
 
 @numba.njit(inline="always", **PLAIN)

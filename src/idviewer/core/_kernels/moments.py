@@ -9,11 +9,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core._kernels.expansion import COEFFICIENTS, monomials
+from idviewer.core._kernels.expansion import COEFFICIENTS, monomials, vector_monomials
 from idviewer.core._kernels.faces import PLAIN
-from idviewer.core._kernels.lanes import LANES, at, load, splat, store
+from idviewer.core._kernels.lanes import LANES, at, load, splat, store, widened
+from idviewer.core._kernels.leaf import CORNER_NUMBERS
 
 Floats = NDArray[np.float64]
+Floats32 = NDArray[np.float32]
+Ints = NDArray[np.int64]
 
 # A rule of degree 5 on the triangle: barycentric coordinates of its points, and their weights.
 _NEAR, _FAR = (6.0 + math.sqrt(15.0)) / 21.0, (6.0 - math.sqrt(15.0)) / 21.0
@@ -30,57 +33,59 @@ class Source(NamedTuple):
     """A surface with what is given at its vertices, ordered for a tree.
 
     Attributes:
-        positions: (n, 3).
-        faces: (m, 3) in the order of the leaves.
-        values: (n, k) at the vertices, k a multiple of LANES; column 0 is all ones.
+        first_row, counts, centres, corners, rows: of its `Leaves`; compiled loops take no nested tuples.
+        values: (rows of the leaves, k) float32, k a multiple of LANES; column 0 is all ones.
         weights: (k,) what an error of each column counts.
         depth: level of the leaves.
     """
 
-    positions: Floats
-    faces: NDArray[np.int64]
-    values: Floats
+    first_row: Ints
+    counts: Ints
+    centres: Floats
+    corners: Floats
+    rows: Ints
+    values: Floats32
     weights: Floats
     depth: int
 
 
-@numba.njit(**PLAIN)
-def _corner(source, vertex, centre):  # type: ignore[no-untyped-def]
+@numba.njit(inline="always", **PLAIN)
+def _corner(corners, place, shift):  # type: ignore[no-untyped-def]
     return (
-        source.positions[vertex, 0] - centre[0],
-        source.positions[vertex, 1] - centre[1],
-        source.positions[vertex, 2] - centre[2],
+        load(corners, place) + shift[0],
+        load(corners, place + LANES) + shift[1],
+        load(corners, place + 2 * LANES) + shift[2],
     )
 
 
 @numba.njit(**PLAIN)
 def _face_moments(a, b, c, tables, powers, moments):  # type: ignore[no-untyped-def]
-    """Moments (3, COEFFICIENTS) of a face's three hat functions; returns its area vector.
+    """Moments (3, COEFFICIENTS, LANES) of the three hat functions of LANES faces.
 
     The moment of f for beta is -1/2 sum_i beta_i integral f n_i y^(beta - e_i) dA.
     """
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    area = 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
-    for k in range(COEFFICIENTS):
-        moments[0, k] = moments[1, k] = moments[2, k] = 0.0
+    area_x, area_y, area_z = 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
+    clear_moments(moments)
+    hat = COEFFICIENTS * LANES
     for q in range(_RULE.shape[0]):
         s, t, r = _RULE[q, 0], _RULE[q, 1], _RULE[q, 2]
-        monomials(
+        vector_monomials(
             s * a[0] + t * b[0] + r * c[0],
             s * a[1] + t * b[1] + r * c[1],
             s * a[2] + t * b[2] + r * c[2],
             powers,
         )
         for k in range(COEFFICIENTS):
-            sum_ = 0.0
-            for axis in range(3):
-                sum_ += tables.exponents[k, axis] * area[axis] * powers[tables.lowered[k, axis]]
-            sum_ *= -0.5 * _RULE_WEIGHTS[q]
-            moments[0, k] += s * sum_
-            moments[1, k] += t * sum_
-            moments[2, k] += r * sum_
-    return area
+            sum_ = tables.exponents[k, 0] * area_x * load(powers, tables.lowered[k, 0] * LANES)
+            sum_ = sum_ + tables.exponents[k, 1] * area_y * load(powers, tables.lowered[k, 1] * LANES)
+            sum_ = sum_ + tables.exponents[k, 2] * area_z * load(powers, tables.lowered[k, 2] * LANES)
+            sum_ = -0.5 * _RULE_WEIGHTS[q] * sum_
+            place = k * LANES
+            store(moments, place, load(moments, place) + s * sum_)
+            store(moments, hat + place, load(moments, hat + place) + t * sum_)
+            store(moments, 2 * hat + place, load(moments, 2 * hat + place) + r * sum_)
 
 
 @numba.njit(**PLAIN)
@@ -96,32 +101,59 @@ def copy_moments(moments, result):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**PLAIN)
-def leaf_moments(source, low, high, centre, tables, desk, moments, area):  # type: ignore[no-untyped-def]
-    """Moments (COEFFICIENTS, k) of all columns over some faces, and their area vector (3,)."""
-    width, hats, powers = source.values.shape[1], desk.hats, desk.powers
-    clear_moments(moments)
-    for axis in range(3):
-        area[axis] = 0.0
-    for f in range(low, high):
-        i, j, k = source.faces[f, 0], source.faces[f, 1], source.faces[f, 2]
-        a, b, c = _corner(source, i, centre), _corner(source, j, centre), _corner(source, k, centre)
-        own = _face_moments(a, b, c, tables, powers, hats)
-        for axis in range(3):
-            area[axis] += own[axis]
-        for column in range(0, width, LANES):
-            at_i, at_j = load(source.values, i * width + column), load(source.values, j * width + column)
-            at_k = load(source.values, k * width + column)
+def _sum_hats(source, leaf, count, of_faces, hats):  # type: ignore[no-untyped-def]
+    """Moments (rows, COEFFICIENTS) of a leaf's vertices from those of its faces' hat functions."""
+    for row in range(count):
+        for t in range(COEFFICIENTS):
+            hats[row, t] = 0.0
+    for corner in range(3):
+        for face in range(source.counts[leaf]):
+            row = source.rows[leaf, corner, face]
             for t in range(COEFFICIENTS):
-                place = t * width + column
-                share = at(hats, t) * at_i + at(hats, COEFFICIENTS + t) * at_j
-                share = share + at(hats, 2 * COEFFICIENTS + t) * at_k
-                store(moments, place, load(moments, place) + share)
+                hats[row, t] += of_faces[corner, t, face]
 
 
 @numba.njit(**PLAIN)
-def add_shifted(moments, child, parent, centres, tables, powers, result):  # type: ignore[no-untyped-def]
+def leaf_moments(source, leaf, centre, tables, desk, moments):  # type: ignore[no-untyped-def]
+    """Moments (COEFFICIENTS, k) of all columns over a leaf's faces."""
+    hats, corners, values, place = desk.hats, source.corners, source.values, leaf * CORNER_NUMBERS
+    shift = (
+        source.centres[leaf, 0] - centre[0],
+        source.centres[leaf, 1] - centre[1],
+        source.centres[leaf, 2] - centre[2],
+    )
+    _face_moments(
+        _corner(corners, place, shift),
+        _corner(corners, place + 3 * LANES, shift),
+        _corner(corners, place + 6 * LANES, shift),
+        tables,
+        desk.powers_of_faces,
+        desk.of_faces,
+    )
+    first, width = source.first_row[leaf], values.shape[1]
+    count = source.first_row[leaf + 1] - first
+    _sum_hats(source, leaf, count, desk.of_faces, hats)
+    for column in range(0, width, LANES):
+        for t in range(0, COEFFICIENTS, 5):
+            a, b, c, d, e = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+            for row in range(count):
+                value = widened(load(values, (first + row) * width + column))
+                hat = row * COEFFICIENTS + t
+                a, b = a + at(hats, hat) * value, b + at(hats, hat + 1) * value
+                c, d = c + at(hats, hat + 2) * value, d + at(hats, hat + 3) * value
+                e = e + at(hats, hat + 4) * value
+            out = t * width + column
+            store(moments, out, a)
+            store(moments, out + width, b)
+            store(moments, out + 2 * width, c)
+            store(moments, out + 3 * width, d)
+            store(moments, out + 4 * width, e)
+
+
+@numba.njit(**PLAIN)
+def add_shifted(moments, child, parent, centres, tables, desk, result):  # type: ignore[no-untyped-def]
     """Add a child's moments to its parent's, whose centre is another."""
-    width = result.shape[1]
+    width, powers, factors = result.shape[1], desk.powers, desk.shift_factors
     monomials(
         centres[child, 0] - centres[parent, 0],
         centres[child, 1] - centres[parent, 1],
@@ -129,7 +161,12 @@ def add_shifted(moments, child, parent, centres, tables, powers, result):  # typ
         powers,
     )
     for s in range(tables.shifts.shape[0]):
-        factor = tables.binomials[s] * powers[tables.shifts[s, 2]]
-        to, out_of = tables.shifts[s, 0] * width, tables.shifts[s, 1] * width
-        for column in range(0, width, LANES):
-            store(result, to + column, load(result, to + column) + factor * load(moments, out_of + column))
+        factors[s] = tables.binomials[s] * powers[tables.shifts[s, 2]]
+    for column in range(0, width, LANES):
+        s = 0
+        for t in range(COEFFICIENTS):
+            sum_ = load(result, t * width + column)
+            while s < tables.shifts.shape[0] and tables.shifts[s, 0] == t:
+                sum_ = sum_ + at(factors, s) * load(moments, tables.shifts[s, 1] * width + column)
+                s += 1
+            store(result, t * width + column, sum_)
