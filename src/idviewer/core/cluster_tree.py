@@ -46,7 +46,7 @@ SHARE = 0.08
 DOUBT = 3.0
 """Errors of values are at most about so many times those of the positions, which are known."""
 
-ROWS = 2**15
+ROWS = 2**11
 """Of a table, copied between two checkpoints."""
 
 
