@@ -26,6 +26,11 @@ LAYERS = 12
 SAMPLES_A_LAYER = 14
 STARTS = 3
 START_RADIUS = 0.02
+SCOUTED_RADIUS = 0.01
+"""Where descents by a scout end."""
+SURE = 0.02
+"""Where the lowest U is a smaller share of the highest, a tolerance tells too little of where it is: after a
+long time U is a valley with a floor near 0."""
 LAST_RADIUS = 2.5e-7
 MOST_ROUNDS = 60
 SHRINKING = 0.25
@@ -51,7 +56,7 @@ class Barycentroid:
 
 
 def barycentroid_steps(
-    shape: Shape, potential: Evaluate, last_radius: float = LAST_RADIUS
+    shape: Shape, potential: Evaluate, last_radius: float = LAST_RADIUS, scout: Evaluate | None = None
 ) -> Generator[float | None, None, Barycentroid]:
     """Find the barycentroid; yields the share done, or None, every few milliseconds.
 
@@ -63,20 +68,25 @@ def barycentroid_steps(
         shape: where to look.
         potential: U at (p, dimension) points, (p,), NaN outside, as a generator.
         last_radius: where a descent ends, in diagonals of the shape.
+        scout: U within a tolerance, if that is to be had much sooner: it leads the descents as far as it can
+            tell where is down, and U itself the rest of the way.
 
     Raises:
         ShapeError: no point inside could be found (a MeshError or a PolygonError).
     """
     samples = yield from interior_sample_steps(shape)
-    values = yield from potential(samples)
+    values = yield from (scout or potential)(samples)
     inside = np.isfinite(values)
     if not inside.any():
         kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
         raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
-    ends: list[Barycentroid] = []
-    for start in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal):
-        yield from _descend(potential, start, shape.diagonal, last_radius, ends)
-    return min(ends, key=lambda end: end.potential)
+    paths = [point[None] for point in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal)]
+    radius = START_RADIUS * shape.diagonal
+    if scout is not None:
+        scouted = yield from _descents(scout, paths, radius, SCOUTED_RADIUS * shape.diagonal)
+        if scouted[0].potential > SURE * values[inside].max():
+            paths, radius = [end.path for end in scouted], SCOUTED_RADIUS * shape.diagonal
+    return (yield from _descents(potential, paths, radius, last_radius * shape.diagonal))[0]
 
 
 def interior_samples(shape: Shape) -> Floats:
@@ -131,8 +141,18 @@ def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:
     return chosen
 
 
+def _descents(
+    potential: Evaluate, paths: list[Floats], radius: float, last_radius: float
+) -> Generator[float | None, None, list[Barycentroid]]:
+    """Where descents end that go on from the ends of paths (s, d); the lowest first."""
+    ends: list[Barycentroid] = []
+    for path in paths:
+        yield from _descend(potential, path, radius, last_radius, ends)
+    return sorted(ends, key=lambda end: end.potential)
+
+
 def _descend(
-    potential: Evaluate, start: Floats, diagonal: float, last_radius: float, ends: list[Barycentroid]
+    potential: Evaluate, way: Floats, radius: float, last_radius: float, ends: list[Barycentroid]
 ) -> Generator[float | None, None, None]:
     """Follow U^2 downhill by quadratic models fitted within a trust radius, and add where that ends.
 
@@ -140,12 +160,12 @@ def _descend(
     whose step is tried together with the stencil to follow and with steps of other lengths. A descent that
     comes to an end that is known already, and lower, is given up.
     """
-    model = _Model.of(len(start))
+    model = _Model.of(way.shape[1])
     around = len(model.stencil)
-    point, radius, path = start, START_RADIUS * diagonal, [start]
+    point, path = way[-1], list(way)
     heights = yield from potential(point + radius * model.stencil)
     for _ in range(MOST_ROUNDS):
-        if radius < last_radius * diagonal or _joins(point, heights[0], radius, ends):
+        if radius < last_radius or _joins(point, heights[0], radius, ends):
             break
         if not np.isfinite(heights).all():
             if not np.isfinite(heights[0]):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.approximation import Approximation
-from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
+from idviewer.core.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Diffusion, Distance
@@ -261,12 +261,20 @@ class InteriorDistance(EmbeddedBoundary):
         """
         return finish(self.potential_steps(points))
 
-    def potential_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
-        """`potential` as a generator that yields the share done every few milliseconds."""
+    def potential_steps(
+        self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
+    ) -> Generator[float, None, Floats]:
+        """`potential` as a generator that yields the share done every few milliseconds.
+
+        Args:
+            points: (p, dimension).
+            rtol, weights: as for `sample_steps`.
+        """
         if self._form is not None and self._basis is None:
             mean = self._masses / self._masses.sum()
             return (yield from self._form_steps(points, lambda part: mean))
-        return np.linalg.norm((yield from self.sample_steps(points)) * self.scale - self.centre, axis=1)
+        rows = yield from self.sample_steps(points, rtol, weights)
+        return np.linalg.norm(rows * self.scale - self.centre, axis=1)
 
     def negativity(self, points: ArrayLike) -> Floats:
         """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
@@ -294,6 +302,12 @@ class InteriorDistance(EmbeddedBoundary):
         """The point inside where the potential is smallest; see `idviewer.core.barycentroid`."""
         return finish(self.barycentroid_steps())
 
-    def barycentroid_steps(self) -> Generator[float | None, None, Barycentroid]:
-        """`barycentroid` as a generator that yields every few milliseconds."""
-        return barycentroid_steps(self.shape, self.potential_steps)
+    def barycentroid_steps(
+        self, scout: Evaluate | None = None
+    ) -> Generator[float | None, None, Barycentroid]:
+        """`barycentroid` as a generator that yields every few milliseconds.
+
+        Args:
+            scout: see `idviewer.core.barycentroid`.
+        """
+        return barycentroid_steps(self.shape, self.potential_steps, scout=scout)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
-from idviewer.core.barycentroid import Barycentroid, barycentroid_steps
+from idviewer.core.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.carrying import Ground
 from idviewer.core.distances import Distance
 from idviewer.core.equations import extent
@@ -251,9 +251,11 @@ class PreviewDistance(InteriorDistance):
             rows[missing[near]] = (matrix @ self.basis)[near]
         return rows
 
-    def barycentroid_steps(self) -> Generator[float | None, None, Barycentroid]:
+    def barycentroid_steps(
+        self, scout: Evaluate | None = None
+    ) -> Generator[float | None, None, Barycentroid]:
         """As of `InteriorDistance`, to within a thousandth of the diagonal."""
-        return barycentroid_steps(self.shape, self.potential_steps, LAST_RADIUS)
+        return barycentroid_steps(self.shape, self.potential_steps, LAST_RADIUS, scout)
 
     def keeps_inside(self, point: ArrayLike) -> bool:
         """Whether a point inside the simplified mesh is safely inside the full one."""

@@ -228,7 +228,8 @@ class Prepared:
         """Finds the barycentroid of the solver; goes on where a closed search for it stopped."""
         kind = solver.distance_kind, solver.coordinates.name
         if self._search is None or self._search[0] != kind:
-            self._search = (kind, solver.barycentroid_steps())
+            sampled = next(one for one in self._sampled if _samples(one, *kind))
+            self._search = (kind, solver.barycentroid_steps(sampled.sampler.scout(solver)))
         while True:
             try:
                 next(self._search[1])
@@ -271,5 +272,9 @@ def _kind(query: Query) -> Kind:
 
 
 def _serves(sampled: Sampled, query: Query) -> bool:
+    return _samples(sampled, *_kind(query))
+
+
+def _samples(sampled: Sampled, distance: Distance, coordinates: str) -> bool:
     solver = sampled.solver
-    return solver.coordinates.name == query.coordinates and solver.shares_basis(query.distance)
+    return solver.coordinates.name == coordinates and solver.shares_basis(distance)

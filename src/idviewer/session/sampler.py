@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core import DISTANCES, Distance, InteriorDistance
+from idviewer.core.barycentroid import Evaluate
 from idviewer.core.distances import Number, parameters_of
 from idviewer.core.shape import in_space
 from idviewer.session.memory import give_back
@@ -82,6 +83,12 @@ class Sampler:
         if self.exact_always or rtol == 0.0:
             return (yield from self.solver.sample_steps(points, rtol=0.0))
         return (yield from self.solver.sample_steps(points, rtol=rtol, weights=self._weights))
+
+    def scout(self, solver: InteriorDistance) -> Evaluate | None:
+        """The potential of a solver with this basis, within a tolerance; None where that saves no time."""
+        if self.exact_always or not self.ready:
+            return None
+        return partial(solver.potential_steps, rtol=FINE, weights=self._weights)
 
     def tolerance(self, share: float, outline: Floats) -> float:
         """The rtol that is such a share of the distances on a slice with these rows on its outline."""
