@@ -273,7 +273,7 @@ class InteriorDistance(EmbeddedBoundary):
         if self._form is not None and self._basis is None:
             mean = self._masses / self._masses.sum()
             return (yield from self._form_steps(points, lambda part: mean))
-        rows = yield from self.sample_steps(points, rtol, weights)
+        rows = yield from self.sample_steps(points, rtol=rtol, weights=weights)
         return np.linalg.norm(rows * self.scale - self.centre, axis=1)
 
     def negativity(self, points: ArrayLike) -> Floats:
