@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from idviewer.core import InteriorDistance, Mesh, Plane, section
-from idviewer.core.plane import AXES
-from idviewer.core.slice_mesh import slice_mesh, spacing_for
+from idviewer.core.shapes.plane import AXES
+from idviewer.core.slices.triangulation import slice_mesh, spacing_for
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.session import default_plane
 from idviewer.session.state import Query

@@ -13,8 +13,8 @@ from timing import seconds_of, take_turns
 from truth import embedding_error
 
 from idviewer.core import MeanValueCoordinates, Mesh, read_mesh, sample_path
-from idviewer.core.approximation import Approximation
-from idviewer.core.equations import extent
+from idviewer.core.coordinates.tolerance import Approximation
+from idviewer.core.interior.equations import extent
 from idviewer.core.steps import finish
 
 TITLE = "Growth: a sample within 1e-3 on finer and finer meshes"

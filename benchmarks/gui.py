@@ -12,7 +12,7 @@ from table import Bar, Row
 from timing import take_turns
 
 from idviewer.core import section
-from idviewer.core.slice_mesh import slice_mesh, spacing_for
+from idviewer.core.slices.triangulation import slice_mesh, spacing_for
 from idviewer.session.picking import FramePicker
 from idviewer.session.session import default_plane
 from idviewer.session.state import Display, Frame, Query, Slice, State

@@ -13,7 +13,7 @@ from timing import seconds_of, take_turns
 from truth import embedding_error
 
 from idviewer.core import InteriorDistance
-from idviewer.core.equations import extent
+from idviewer.core.interior.equations import extent
 
 TITLE = "Embedding of 8,000 inner points, a point of them"
 NOTE = (

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 
 from idviewer.core import InteriorDistance, Plane, read_mesh, sample_path, section
-from idviewer.core.slice_mesh import slice_mesh, spacing_for
+from idviewer.core.slices.triangulation import slice_mesh, spacing_for
 
 human = read_mesh(sample_path("human_2k"))
 solver = InteriorDistance(human)

@@ -13,8 +13,9 @@ from matplotlib.tri import Triangulation
 from numpy.typing import ArrayLike, NDArray
 
 from figures.registry import Run
-from idviewer.core import InteriorDistance, Polygon, polygon_section
-from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
+from idviewer.core import InteriorDistance, Polygon
+from idviewer.core.slices.mesh_sections import polygon_section
+from idviewer.core.slices.triangulation import SliceMesh, slice_mesh, spacing_for
 from idviewer.view.colormaps import colors
 
 Floats = NDArray[np.float64]

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from tests.core import shapes
 
-from idviewer.core._polygons import Polygons as PolygonSoup
-from idviewer.core.io import read_mesh
-from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.io.meshes import read_mesh
+from idviewer.core.shapes.mesh import Mesh, MeshError
+from idviewer.core.validation.polygon_soup import Polygons as PolygonSoup
 
 Vertices = NDArray[np.float64]
 Polygons = Iterable[Sequence[int]]

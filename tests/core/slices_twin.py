@@ -7,10 +7,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from idviewer.core._lattice import MARGIN
-from idviewer.core.mesh import Mesh
-from idviewer.core.plane import Plane
-from idviewer.core.slices import Section
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.plane import Plane
+from idviewer.core.slices.lattice import MARGIN
+from idviewer.core.slices.mesh_sections import Section
 
 Edge = tuple[int, int]
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from idviewer.core import Diffusion, InteriorDistance, read_mesh, sample_path
-from idviewer.core.barycentroid import Evaluate, barycentroid_steps
+from idviewer.core.interior.barycentroid import Evaluate, barycentroid_steps
 from idviewer.core.steps import finish
 
 Floats = NDArray[np.float64]

@@ -6,8 +6,8 @@ import numpy as np
 import trimesh
 
 from idviewer.core import read_mesh, sample_path
-from idviewer.core.carrying import Ground
-from idviewer.core.simplification import simplification_steps
+from idviewer.core.shapes.closest_points import Ground
+from idviewer.core.shapes.simplification import simplification_steps
 from idviewer.core.steps import finish
 
 HAND = read_mesh(sample_path("hand_2k"))

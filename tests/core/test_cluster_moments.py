@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from tests.core.test_mean_value import bumpy_sphere
 
-from idviewer.core._kernels.clusters import CLEARANCE
-from idviewer.core._kernels.expansion import INDICES, TABLES, monomials
-from idviewer.core.cluster_tree import ClusterTree
+from idviewer.core._kernels.treecode.clusters import CLEARANCE
+from idviewer.core._kernels.treecode.expansion import INDICES, TABLES, monomials
+from idviewer.core.coordinates.treecode import ClusterTree
 from idviewer.core.steps import finish
 
 

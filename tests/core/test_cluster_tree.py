@@ -10,11 +10,11 @@ from tests.core import shapes
 from tests.core.test_mean_value import bumpy_sphere
 
 from idviewer.core import Diffusion, InteriorDistance, Mesh, read_mesh, sample_path
-from idviewer.core._kernels.arrival import Target
-from idviewer.core.approximation import FINEST, Approximation
-from idviewer.core.cluster_tree import ClusterTree
-from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
-from idviewer.core.equations import extent
+from idviewer.core._kernels.treecode.normalize import Target
+from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
+from idviewer.core.coordinates.tolerance import FINEST, Approximation
+from idviewer.core.coordinates.treecode import ClusterTree
+from idviewer.core.interior.equations import extent
 from idviewer.core.steps import finish
 
 DEPTHS = (0.0, 1e-9, 1e-6, 1e-3)
@@ -130,7 +130,7 @@ def test_the_tree_is_what_answers(rng):
     coordinates = MeshMeanValue(mesh)
     tree, columns = finish(coordinates.approximation(values, np.ones(20)).prepare_steps(1e-3))
     assert len(columns) == 20
-    _, doubtful = carried(tree, coordinates.place(points), 1e-3, 1e-3)
+    _, doubtful = carried(tree, coordinates.normalise(points), 1e-3, 1e-3)
     assert doubtful.mean() < 0.05
 
 
@@ -149,7 +149,7 @@ def test_the_check_finds_a_tree_that_is_too_coarse(rng):
     coordinates = MeshMeanValue(mesh)
     weights = np.full(20, 1 / extent(values))
     tree, _ = finish(coordinates.approximation(values, weights).prepare_steps(1e-1))
-    near, doubtful = carried(tree, coordinates.place(points), 1e-1, 1e-4)
+    near, doubtful = carried(tree, coordinates.normalise(points), 1e-1, 1e-4)
     exact = finish(coordinates.interpolate_steps(points, values))
     wrong = np.linalg.norm(weights * (near - exact), axis=1) > 1e-3
     assert wrong.any()

@@ -17,7 +17,7 @@ from idviewer.core import (
     interior_distance,
 )
 from idviewer.core.distances import missing
-from idviewer.core.equations import squares_of
+from idviewer.core.interior.equations import squares_of
 
 SHAPES = pytest.mark.parametrize("name", ["random mesh", "random polygon", "random polygon with a hole"])
 

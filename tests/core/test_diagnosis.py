@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from tests.core import shapes
 
-from idviewer.core._findings import KINDS, spot
-from idviewer.core.diagnosis import diagnose
-from idviewer.core.mesh import Mesh
+from idviewer.core.shapes.diagnosis import diagnose
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.validation.findings import KINDS, spot
 
 
 def kinds(diagnosis):

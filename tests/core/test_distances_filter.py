@@ -7,7 +7,7 @@ import pytest
 from tests.core.test_distances_spectral import stretched
 
 from idviewer.core import GPS, Biharmonic, Diffusion, DistanceError, SpectralFilter, eigenpairs
-from idviewer.core.expressions import Expression
+from idviewer.core.distances.expressions import Expression
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ from tests.core import shapes
 from tests.core.outlines import flower, shortest_paths, with_holes
 
 from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polygon
+from idviewer.core.distances.classical_mds import double_centred, landmark_scaling_steps, scaling_steps
+from idviewer.core.distances.geodesics import Geodesics, landmark_steps
 from idviewer.core.distances.spectral import percentage
-from idviewer.core.equations import squares_of
-from idviewer.core.geodesics import Geodesics, landmark_steps
-from idviewer.core.scaling import double_centred, landmark_scaling_steps, scaling_steps
+from idviewer.core.interior.equations import squares_of
 from idviewer.core.steps import finish
 
 

@@ -16,8 +16,8 @@ from idviewer.core import (
     InteriorDistance,
     Mesh,
 )
-from idviewer.core.equations import squares_of
-from idviewer.core.scaling import double_centred
+from idviewer.core.distances.classical_mds import double_centred
+from idviewer.core.interior.equations import squares_of
 
 
 @pytest.fixture(scope="module")

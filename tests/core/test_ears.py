@@ -6,7 +6,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from idviewer.core._kernels.ears import cut_ears
+from idviewer.core._kernels.geometry.ears import cut_ears
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 

@@ -9,18 +9,18 @@ import pytest
 import trimesh
 from tests.core import meshfiles, shapes
 
-from idviewer.core._polygons import triangulated
-from idviewer.core._readers import UnreadableError
-from idviewer.core._readers.gltf import read_glb, read_gltf
-from idviewer.core.io import read_mesh
-from idviewer.core.mesh import Mesh
-from idviewer.core.repair import repair
+from idviewer.core.io.gltf import read_glb, read_gltf
+from idviewer.core.io.meshes import read_mesh
+from idviewer.core.io.text import UnreadableError
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.validation.polygon_soup import triangulated
 
 TETRAHEDRON = shapes.tetrahedron()
 
 
 def glb_mesh(tree: dict, buffer: bytes) -> Mesh:
-    return repair(*meshfiles.parts(read_glb(meshfiles.glb_of(tree, buffer))))
+    return repair_mesh(*meshfiles.parts(read_glb(meshfiles.glb_of(tree, buffer))))
 
 
 def test_gltf_transformations_are_applied():
@@ -58,7 +58,7 @@ def test_gltf_instances_primitives_and_other_scenes():
     ]
     tree |= {"scenes": [{"nodes": [1]}, {"nodes": [0, 2]}], "scene": 1}
     polygons = read_glb(meshfiles.glb_of(tree, buffer))
-    mesh = repair(*meshfiles.parts(polygons), component=1)
+    mesh = repair_mesh(*meshfiles.parts(polygons), component=1)
     assert mesh.volume == pytest.approx(1.0)
     assert mesh.bounds[0, 0] == 5
     assert mesh.notes[-1] == "Component 1 of 2 (12 of 24 faces) was taken."

@@ -16,8 +16,8 @@ from idviewer.core import (
     interior_distance,
     voronoi_areas,
 )
-from idviewer.core.barycentroid import LAST_RADIUS
 from idviewer.core.distances import missing
+from idviewer.core.interior.barycentroid import LAST_RADIUS
 
 
 @pytest.fixture(scope="module")

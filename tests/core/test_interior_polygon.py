@@ -133,7 +133,7 @@ def test_heat_spreads_evenly_on_a_circle(rng):
 @pytest.mark.slow
 def test_one_point_against_many_goes_through_the_many_in_portions(monkeypatch):
     """Both ways round, for a distance that is a quadratic form."""
-    monkeypatch.setattr("idviewer.core.interior.NUMBERS_AT_A_TIME", 700)
+    monkeypatch.setattr("idviewer.core.interior.solver.NUMBERS_AT_A_TIME", 700)
     for name in ("random polygon", "random mesh"):
         solver = InteriorDistance(shape(name), exact_distance("commute", shape(name)))
         assert isinstance(solver.distance_kind, CommuteTime)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tests.core import meshfiles, shapes
 from tests.core.meshfiles import outcome
 
-from idviewer.core.io import READABLE_SUFFIXES, inspect_file, read_mesh
-from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.io.meshes import READABLE_SUFFIXES, inspect_file, read_mesh
+from idviewer.core.shapes.mesh import Mesh, MeshError
 
 CUBE = shapes.cube()
 

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import pytest
 
-from idviewer.core._kernels.lanes import (
+from idviewer.core._kernels.simd.lanes import (
     LANES,
     any_of,
     at,

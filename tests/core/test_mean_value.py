@@ -8,9 +8,9 @@ import vtk
 from tests.core import mean_value_twin, shapes
 from vtk.util.numpy_support import numpy_to_vtk
 
+from idviewer.core.arrays import as_points
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates, mean_value_weights
-from idviewer.core.mesh import Mesh
-from idviewer.core.shape import as_points
+from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.steps import finish
 
 

@@ -9,10 +9,10 @@ import pytest
 from tests.core import shapes
 from tests.core.test_mean_value import BODIES
 
-from idviewer.core._kernels.surface import patched
-from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
+from idviewer.core._kernels.mean_value.surface import patched
 from idviewer.core.coordinates.mean_value import mean_value_weights
-from idviewer.core.mesh import Mesh
+from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
+from idviewer.core.shapes.mesh import Mesh
 
 Wide = np.longdouble
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.core import shapes
 
-from idviewer.core.mesh import Mesh, MeshError
+from idviewer.core.shapes.mesh import Mesh, MeshError
 
 
 @pytest.mark.parametrize(

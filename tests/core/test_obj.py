@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from tests.core import meshfiles, shapes
 
-from idviewer.core._readers import UnreadableError
-from idviewer.core._readers.obj import read_obj
-from idviewer.core.repair import repair
+from idviewer.core.io.obj import read_obj
+from idviewer.core.io.text import UnreadableError
+from idviewer.core.shapes.repair import repair_mesh
 
 OBJ_POINTS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 OBJ_FACES = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -83,5 +83,5 @@ def test_obj_indices_out_of_range_stay_out_of_range(index):
 def test_obj_with_polygons_of_every_size():
     vertices, polygons = shapes.extruded(shapes.L_OUTLINE)
     mixed = [*polygons[:5], polygons[5][:3], [polygons[5][0], *polygons[5][2:]], *polygons[6:]]
-    mesh = repair(*meshfiles.parts(read_obj(meshfiles.obj(vertices, mixed))))
+    mesh = repair_mesh(*meshfiles.parts(read_obj(meshfiles.obj(vertices, mixed))))
     assert mesh.volume == pytest.approx(3.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from tests.core import meshfiles
 
-from idviewer.core._readers import UnreadableError
-from idviewer.core._readers.off import read_off
+from idviewer.core.io.off import read_off
+from idviewer.core.io.text import UnreadableError
 
 POINTS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
 FACES = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"

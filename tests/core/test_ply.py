@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from tests.core import meshfiles, shapes
 
-from idviewer.core._readers import UnreadableError
-from idviewer.core._readers.ply import read_ply
+from idviewer.core.io.ply import read_ply
+from idviewer.core.io.text import UnreadableError
 
 TETRAHEDRON = shapes.tetrahedron()
 POINTS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.core.outlines import SQUARE, flower, regular, with_holes
 
 from idviewer.core import Polygon, PolygonError
-from idviewer.core._polygon_crossings import crossing, turns
+from idviewer.core.validation.polygon_crossings import crossing, turns
 
 
 @pytest.mark.slow
@@ -104,7 +104,7 @@ def test_crossings_are_found_where_there_are_some(corners):
 
 @pytest.mark.slow
 def test_long_outlines_are_checked_in_portions(monkeypatch):
-    monkeypatch.setattr("idviewer.core._polygon_crossings.PAIRS", 7)
+    monkeypatch.setattr("idviewer.core.validation.polygon_crossings.PAIRS", 7)
     vertices = flower(90).vertices.copy()
     followers = np.roll(np.arange(90), -1)
     assert crossing(vertices, followers) is None

@@ -19,9 +19,9 @@ from idviewer.core import (
     sample_names,
     sample_path,
 )
-from idviewer.core.barycentroid import barycentroid_steps, interior_samples
-from idviewer.core.shape import in_space
-from idviewer.core.slice_mesh import SliceMesh, slice_mesh, spacing_for
+from idviewer.core.arrays import in_space
+from idviewer.core.interior.barycentroid import barycentroid_steps, interior_samples
+from idviewer.core.slices.triangulation import SliceMesh, slice_mesh, spacing_for
 from idviewer.core.steps import finish
 
 POLYGONS = {"flower": flower(90), "holes": with_holes(), "stairs": staircase(6), "square": Polygon(SQUARE)}

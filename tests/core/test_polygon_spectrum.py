@@ -9,9 +9,9 @@ import pytest
 import scipy.linalg
 from tests.core.outlines import flower, regular, with_holes
 
-import idviewer.core.spectrum as spectrum_module
+import idviewer.core.spectrum.eigen_solver as spectrum_module
 from idviewer.core import Polygon, PolygonError, eigenpairs, laplacian_of, masses_of
-from idviewer.core.spectrum import paper_cutoff
+from idviewer.core.spectrum.eigen_solver import paper_cutoff
 
 WITH_HOLES = with_holes()
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.core import shapes
 
-from idviewer.core._polygons import Polygons, triangulated
-from idviewer.core.repair import repair
+from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.validation.polygon_soup import Polygons, triangulated
 
 
 def _zigzag(teeth: int) -> list[tuple[float, float]]:
@@ -45,7 +45,7 @@ def test_concave_polygons_in_any_position_keep_their_area_and_volume(outline, se
     rotation *= np.sign(np.linalg.det(rotation))
     start = int(rng.integers(len(outline)))
     polygons = [polygon[start % len(polygon) :] + polygon[: start % len(polygon)] for polygon in polygons]
-    mesh = repair(vertices @ rotation.T * 1e-9, polygons)
+    mesh = repair_mesh(vertices @ rotation.T * 1e-9, polygons)
     assert mesh.volume == pytest.approx(2 * _area(outline) * 1e-27, rel=1e-12)
     perimeter = np.linalg.norm(np.diff(np.array([*outline, outline[0]]), axis=0), axis=1).sum()
     assert mesh.area == pytest.approx((2 * _area(outline) + 2 * perimeter) * 1e-18, rel=1e-12)
@@ -75,4 +75,4 @@ def test_triangles_come_in_the_order_of_their_polygons():
     owners = triangulated(Polygons.of(vertices, mixed))
     assert owners[2].tolist() == mixed[1]
     assert owners[3].tolist() == mixed[2]
-    assert repair(vertices, mixed).volume == 1.0
+    assert repair_mesh(vertices, mixed).volume == 1.0

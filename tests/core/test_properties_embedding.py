@@ -18,7 +18,7 @@ from tests.core.property_shapes import (
 )
 
 from idviewer.core import COORDINATES, Euclidean, GivenDistances, GivenEmbedding, InteriorDistance, Property
-from idviewer.core.scaling import double_centred
+from idviewer.core.distances.classical_mds import double_centred
 
 
 def quadratic(form: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:

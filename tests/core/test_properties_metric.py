@@ -26,7 +26,7 @@ from idviewer.core import (
     sample_path,
 )
 from idviewer.core.coordinates import coordinates_of
-from idviewer.core.equations import squares_of
+from idviewer.core.interior.equations import squares_of
 
 POSITIVE = [name for name, kind in COORDINATES.items() if Property.NON_NEGATIVITY in kind.properties]
 BARYCENTRIC = [name for name, kind in COORDINATES.items() if Property.LINEAR_PRECISION in kind.properties]

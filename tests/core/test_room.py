@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from tests.core import shapes
 
-from idviewer.core import InteriorDistance, Mesh, MeshError, Polygon, eigenpairs, room
+from idviewer.core import InteriorDistance, Mesh, MeshError, Polygon, eigenpairs
+from idviewer.core.spectrum.eigen_solver import memory_estimate as room
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Failure, OpenRequest
 
@@ -28,7 +29,9 @@ def small_machine(monkeypatch):
 
 @pytest.mark.parametrize("work", [eigenpairs, InteriorDistance])
 def test_the_library_refuses_before_it_factors_anything(ball, small_machine, monkeypatch, work):
-    monkeypatch.setattr("idviewer.core.spectrum.masses_of", lambda shape: pytest.fail("work was begun"))
+    monkeypatch.setattr(
+        "idviewer.core.spectrum.eigen_solver.masses_of", lambda shape: pytest.fail("work was begun")
+    )
     with pytest.raises(MeshError, match=LINE):
         work(ball)
 

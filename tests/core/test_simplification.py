@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from idviewer.core import Mesh, read_mesh, sample_path
-from idviewer.core.simplification import simplification_steps, simplified
+from idviewer.core.shapes.simplification import simplification_steps, simplified
 from idviewer.core.steps import finish
 
 

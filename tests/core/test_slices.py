@@ -7,11 +7,11 @@ import pytest
 from tests.core import shapes, slices_twin
 from tests.core.test_mean_value import BODIES, winding_numbers
 
-from idviewer.core.mesh import Mesh
-from idviewer.core.plane import Plane
-from idviewer.core.rays import Ray, crossings, middle_of_first_chord
-from idviewer.core.slice_mesh import refined, slice_mesh, spacing_for
-from idviewer.core.slices import Section, section
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.plane import Plane
+from idviewer.core.shapes.rays import Ray, crossings, middle_of_first_chord
+from idviewer.core.slices.mesh_sections import Section, section
+from idviewer.core.slices.triangulation import refined, slice_mesh, spacing_for
 
 
 def random_plane(mesh: Mesh, rng: np.random.Generator) -> Plane:
@@ -190,7 +190,7 @@ def test_refining_equals_its_slow_twin(rng):
 def test_bands_that_cannot_be_cut_ear_by_ear_are_filled_all_the_same(monkeypatch):
     cut = section(BODIES["torus"], Plane((0, 0, 0.05), (0.1, 0.2, 1.0)))
     expected = slice_mesh(cut, spacing_for(cut, 100))
-    monkeypatch.setattr("idviewer.core.slice_mesh.cut_ears", lambda points, first: None)
+    monkeypatch.setattr("idviewer.core.slices.triangulation.cut_ears", lambda points, first: None)
     filled = slice_mesh(cut, spacing_for(cut, 100))
     assert len(filled.triangles) == len(expected.triangles)
     corners = filled.points[filled.triangles]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.core import shapes
 
-import idviewer.core.spectrum as spectrum_module
-from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
-from idviewer.core.mesh import Mesh, MeshError
-from idviewer.core.spectrum import eigenpair_steps, eigenpairs, paper_cutoff
+import idviewer.core.spectrum.eigen_solver as spectrum_module
+from idviewer.core.shapes.mesh import Mesh, MeshError
+from idviewer.core.spectrum.eigen_solver import eigenpair_steps, eigenpairs, paper_cutoff
+from idviewer.core.spectrum.laplacian import cotangent_laplacian, voronoi_areas
 from idviewer.core.steps import finish
 
 

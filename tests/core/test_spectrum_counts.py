@@ -13,10 +13,10 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 from tests.core import shapes
 
-import idviewer.core.spectrum as spectrum_module
+import idviewer.core.spectrum.eigen_solver as spectrum_module
 from idviewer.core import Mesh, MeshError, Spectrum, eigenpairs, laplacian_of, masses_of
-from idviewer.core._krylov_spectrum import RESIDUAL
-from idviewer.core.repair import repair
+from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL
 
 
 def cube(level: int) -> shapes.Arrays:
@@ -136,9 +136,9 @@ def test_several_components_are_named_and_one_is_offered():
     with pytest.raises(
         MeshError, match=r"2 components with 80, 12 faces; choose one .* component=1"
     ) as caught:
-        repair(*shapes.joined(shapes.cube(), shapes.moved(shapes.icosphere(1), 5, 0, 0)))
+        repair_mesh(*shapes.joined(shapes.cube(), shapes.moved(shapes.icosphere(1), 5, 0, 0)))
     assert caught.value.components == (80, 12)
-    assert len(eigenpairs(repair(*shapes.two_components(), component=2)).values) == 5
+    assert len(eigenpairs(repair_mesh(*shapes.two_components(), component=2)).values) == 5
 
 
 def test_faces_without_area_are_mended_before_they_are_divided_by():
@@ -147,7 +147,7 @@ def test_faces_without_area_are_mended_before_they_are_divided_by():
     a, b, c = faces[0]
     flat = np.array([[a, len(vertices), c], [len(vertices), b, c], [a, b, len(vertices)]])
     points = np.concatenate([vertices, [0.5 * (vertices[a] + vertices[b])]])
-    mesh = repair(points, np.concatenate([faces[1:], flat]))
+    mesh = repair_mesh(points, np.concatenate([faces[1:], flat]))
     assert mesh.notes[0].startswith("1 face without area was removed")
     values = eigenpairs(mesh, lambda lambda_2: 2.0 * lambda_2).values
     np.testing.assert_allclose(values, 2.0, rtol=2e-2)
@@ -160,7 +160,7 @@ def test_two_vertices_at_one_point():
     seam = shapes.soup((vertices, faces))
     unused = np.concatenate([vertices, vertices[:3]]), faces
     for arrays in (seam, unused):
-        mesh = repair(*arrays)
+        mesh = repair_mesh(*arrays)
         assert len(mesh.vertices) == len(vertices)
         found = eigenpairs(mesh, lambda lambda_2: 4.0 * lambda_2).values
         np.testing.assert_allclose(found, plain, rtol=1e-10)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.core import meshfiles, shapes
 
-from idviewer.core._readers import UnreadableError
-from idviewer.core._readers.stl import read_stl
+from idviewer.core.io.stl import read_stl
+from idviewer.core.io.text import UnreadableError
 
 TETRAHEDRON = shapes.tetrahedron()
 

@@ -7,10 +7,10 @@ import pytest
 from scipy import sparse
 from scipy.spatial import Delaunay
 
-from idviewer.core._kernels.columns import group_columns
-from idviewer.core.block_lanczos import BLOCK, BlockLanczos
-from idviewer.core.dissection import OFF_MIDDLE, SEPARATOR, dissect
-from idviewer.core.symmetric_factor import SymmetricFactor
+from idviewer.core._kernels.linear_algebra.columns import group_columns
+from idviewer.core.spectrum.block_lanczos import BLOCK, BlockLanczos
+from idviewer.core.spectrum.ldl_factorization import SymmetricFactor
+from idviewer.core.spectrum.nested_dissection import OFF_MIDDLE, SEPARATOR, dissect
 
 
 def graph(rng, count: int) -> tuple[np.ndarray, np.ndarray]:

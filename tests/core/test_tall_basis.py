@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from idviewer.core._kernels import LANES
+from idviewer.core.spectrum.krylov_basis import CHUNK, TallBasis, inner, make_orthogonal
 from idviewer.core.steps import finish
-from idviewer.core.tall_basis import CHUNK, TallBasis, inner, make_orthogonal
 
 COUNTS = [200, 217, 1501]
 """Rows: none of the parts, some or all of them leave a remainder."""

@@ -8,8 +8,8 @@ import pytest
 import trimesh
 from tests.core import shapes
 
-from idviewer.core.io import read_mesh
-from idviewer.core.mesh import Mesh
+from idviewer.core.io.meshes import read_mesh
+from idviewer.core.shapes.mesh import Mesh
 
 
 @pytest.mark.parametrize(

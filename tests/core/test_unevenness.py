@@ -8,9 +8,10 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from tests.core import shapes
 
-from idviewer.core import Mesh, MeshError, diagnose, intrinsic, laplacian_of, masses_of
-from idviewer.core.laplacian import cotangent_laplacian, voronoi_areas
-from idviewer.core.repair import repair
+from idviewer.core import Mesh, MeshError, diagnose, laplacian_of, masses_of
+from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.spectrum.eigen_solver import intrinsic_laplacian as intrinsic
+from idviewer.core.spectrum.laplacian import cotangent_laplacian, voronoi_areas
 
 
 def lowest(laplacian: sparse.csc_array, masses: np.ndarray, count: int) -> np.ndarray:
@@ -93,7 +94,7 @@ def test_needles_of_aspect_one_million_leave_the_spectrum_of_the_ball(arrays, rt
 def test_where_wide_angles_are_the_rule_another_laplacian_is_right_and_the_user_is_told():
     """A ball's triangles, stretched; the same body in good triangles says what is right."""
     vertices, faces = shapes.icosphere(3)
-    mesh, good = repair(vertices * [1.0, 1.0, 10.0], faces), repair(*spindle(10.0))
+    mesh, good = repair_mesh(vertices * [1.0, 1.0, 10.0], faces), repair_mesh(*spindle(10.0))
     assert (mesh.unevenness.bearable, good.unevenness.bearable) == (False, True)
     assert "thin obtuse triangles" in mesh.notes[0]
     assert "intrinsic Delaunay" in mesh.notes[0]
@@ -132,7 +133,7 @@ def test_the_intrinsic_pair_is_a_laplacian():
 
 
 def test_needles_that_leave_no_digits_are_bridged():
-    mesh = repair(*with_needles(1.5e-12))
+    mesh = repair_mesh(*with_needles(1.5e-12))
     assert mesh.unevenness.rounding > 1e-3
     assert "needles" in mesh.notes[0]
     found = lowest(laplacian_of(mesh), masses_of(mesh), 3)

@@ -15,10 +15,10 @@ from vtkmodules.vtkFiltersCore import vtkStripper
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from idviewer.core._readers import UnreadableError
-from idviewer.core._readers.vtp import read_vtp
-from idviewer.core.mesh import Mesh
-from idviewer.core.repair import repair
+from idviewer.core.io.text import UnreadableError
+from idviewer.core.io.vtp import read_vtp
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.repair import repair_mesh
 
 ASCII, BINARY, APPENDED = range(3)
 COMPRESSORS = ["NONE", "ZLIB", "LZ4", "LZMA"]  # as VTK numbers them
@@ -90,7 +90,7 @@ def test_several_pieces_are_joined(tmp_path):
     data = written(tmp_path, sphere, APPENDED, "ZLIB", pieces=4)
     assert data.count(b"<Piece") == 4
     read = read_vtp(data)
-    mesh = repair(read.vertices, read.corners.reshape(-1, 3))
+    mesh = repair_mesh(read.vertices, read.corners.reshape(-1, 3))
     assert (len(mesh.vertices), len(mesh.faces)) == sizes
 
 
@@ -103,7 +103,7 @@ def test_strips(tmp_path):
     for mode in (ASCII, BINARY, APPENDED):
         read = read_vtp(written(tmp_path, stripper.GetOutput(), mode))
         assert len(read.sizes) == len(faces)
-        mesh = repair(read.vertices, read.corners.reshape(-1, 3))
+        mesh = repair_mesh(read.vertices, read.corners.reshape(-1, 3))
         assert mesh.notes == ()
         assert mesh.volume == pytest.approx(Mesh(vertices, faces).volume, rel=1e-12)
 

@@ -10,7 +10,7 @@ import pytest
 from tests.core import shapes
 
 from idviewer.core import Mesh, Plane
-from idviewer.session import plane_samples
+from idviewer.core.sampling import plane_samples
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
 

@@ -8,11 +8,11 @@ from tests.session.bodies import Desk, egg, few_samples  # noqa: F401
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.coordinates import maximum_entropy
+from idviewer.core.sampling.plane_samples import PlaneSamples
+from idviewer.core.sampling.sampler import QUICK_FACES, Sampler
 from idviewer.core.steps import finish
 from idviewer.session import prepared as prepared_module
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.plane_samples import PlaneSamples
-from idviewer.session.sampler import QUICK_FACES, Sampler
 from idviewer.session.state import Frame, FrameRequest, Query, QueryError
 
 MESH = egg(2)

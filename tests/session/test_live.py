@@ -7,10 +7,10 @@ import pytest
 from tests.session.bodies import egg
 
 from idviewer.core import GPS, Biharmonic, Diffusion, Distance, Euclidean, InteriorDistance, MeshError, Plane
-from idviewer.core import barycentroid as barycentroid_module
+from idviewer.core.interior.solver import barycentroid as barycentroid_module
+from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.session import eigenpairs as eigenpairs_module
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.state import DropRequest, Failure, Frame, FrameRequest, Query, Ready
 
 MESH = egg(2)

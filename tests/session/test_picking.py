@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from idviewer.core import Mesh, Plane
-from idviewer.core.rays import Ray
+from idviewer.core.shapes.rays import Ray
 from idviewer.session.picking import FramePicker
 from idviewer.session.state import Frame, Query, Slice
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from tests.session.bodies import egg, random_planes
 
-from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, read_mesh, room, sample_path
+from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, read_mesh, sample_path
+from idviewer.core.sampling.plane_samples import PlaneSamples
+from idviewer.core.sampling.sampler import AFFORDABLE, QUICK_FACES, Sampler
+from idviewer.core.spectrum.eigen_solver import memory_estimate as room
 from idviewer.core.steps import finish
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.plane_samples import PlaneSamples
-from idviewer.session.sampler import AFFORDABLE, QUICK_FACES, Sampler
 from idviewer.session.state import Frame, FrameRequest, Query
 
 HAND = read_mesh(sample_path("hand_2k"))

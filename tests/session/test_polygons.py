@@ -20,7 +20,7 @@ from idviewer.core import (
     sample_path,
     write_polygon,
 )
-from idviewer.core.rays import Ray
+from idviewer.core.shapes.rays import Ray
 from idviewer.session.picking import pick
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import FLAT, Failure, Frame, FrameRequest, Progress, Query, Ready

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from tests.session.bodies import Desk
 
-from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, preview, read_mesh, sample_path
-from idviewer.core._krylov_spectrum import RESIDUAL
+from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, read_mesh, sample_path
+from idviewer.core.interior.solver import preview
+from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL
 from idviewer.session import eigenpairs as eigenpairs
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready

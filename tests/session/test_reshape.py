@@ -9,8 +9,8 @@ import pytest
 from tests.session.bodies import Desk, egg
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Polygon, PolygonError, write_polygon
-from idviewer.core.polygon import Polygon as Shape
-from idviewer.core.rays import Ray
+from idviewer.core.shapes.polygon import Polygon as Shape
+from idviewer.core.shapes.rays import Ray
 from idviewer.session import kernels as kernels_module
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.record import Recorder, replay

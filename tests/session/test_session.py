@@ -22,7 +22,7 @@ from idviewer.core import (
     Plane,
     SpectralFilter,
 )
-from idviewer.core.rays import Ray
+from idviewer.core.shapes.rays import Ray
 from idviewer.session.record import Recorder, replay
 from idviewer.session.session import default_plane, point_of
 from idviewer.session.state import State

@@ -10,7 +10,7 @@ import pytest
 from tests.session.bodies import egg
 
 from idviewer.core import Mesh, Polygon, Spectrum, eigenpairs
-from idviewer.core.spectrum import paper_cutoff
+from idviewer.core.spectrum.eigen_solver import paper_cutoff
 from idviewer.core.steps import finish
 from idviewer.session import spectrum_cache
 from idviewer.session.spectrum_cache import SpectrumCache

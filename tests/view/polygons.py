@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from tests.view.frames import Values, along_x, frame
 
-from idviewer.core import Polygon, polygon_section, write_polygon
-from idviewer.core.slice_mesh import slice_mesh
+from idviewer.core import Polygon, write_polygon
+from idviewer.core.slices.mesh_sections import polygon_section
+from idviewer.core.slices.triangulation import slice_mesh
 from idviewer.session.state import FLAT, Frame, Slice
 
 

@@ -16,12 +16,12 @@ from idviewer.core import Mesh, Polygon
 from idviewer.session.state import State
 from idviewer.view.images import default_camera, image, write_image
 
-PLAIN = {"isolines": 0, "scale_bar": False}
+ALLOCATION_FREE = {"isolines": 0, "scale_bar": False}
 RING = ring()
 
 
 def shown(polygon: Polygon, **fields: object) -> State:
-    return State(shape=polygon).with_(**(PLAIN | fields))
+    return State(shape=polygon).with_(**(ALLOCATION_FREE | fields))
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_a_frame_of_a_moment_ago_stays_while_vertices_move(scene: Stage) -> None
 def test_nothing_of_a_polygon_stays_with_a_body(scene: Stage, tetrahedron: Mesh) -> None:
     scene.scene.show(shown(RING))
     scene.scene.show_frame(flat_frame(RING))
-    scene.scene.show(State(shape=tetrahedron).with_(**PLAIN, opacity=0.0))
+    scene.scene.show(State(shape=tetrahedron).with_(**ALLOCATION_FREE, opacity=0.0))
     assert scene.picture().min() == 255
 
 

@@ -22,8 +22,8 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from idviewer import app
 from idviewer.core import InteriorDistance, Plane
-from idviewer.core.samples import sample_path
-from idviewer.session.memory import give_back
+from idviewer.core.io.samples import sample_path
+from idviewer.core.memory import give_back
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Frame, FrameRequest, State
 from idviewer.view.handle_geometry import Part

@@ -25,8 +25,8 @@ from tests.view.windows import (
 
 from idviewer.core import DISTANCES, GPS, Diffusion, InteriorDistance, Mesh
 from idviewer.core.distances import missing
+from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.plane_samples import PlaneSamples
 from idviewer.view import help as help_sheet
 from idviewer.view.dialogs import PictureDialog
 from idviewer.view.help import HelpSheet

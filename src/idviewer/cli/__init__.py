@@ -41,7 +41,7 @@ def window(shape: str | None = None, /, *, no_cache: NoCache = False) -> int:
         shape: A file, or the name of a bundled shape.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
-    from idviewer.core.samples import DEFAULT_SAMPLE
+    from idviewer.core.io.samples import DEFAULT_SAMPLE
 
     path = None if shape is None else words.path_of(shape)
     obstacle = words.why_no_display()
@@ -169,7 +169,7 @@ def info(shape: str, /, *, json: Flag = False) -> int:
 @app.command
 def samples() -> None:
     """List the bundled shapes."""
-    from idviewer.core.samples import samples as bundled
+    from idviewer.core.io.samples import samples as bundled
 
     print("\n".join(f"{sample.name:<20}{sample.description}" for sample in bundled()))
 

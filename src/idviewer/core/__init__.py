@@ -4,10 +4,8 @@ Source throughout: Rustamov, Lipman and Funkhouser, "Interior Distance Using Bar
 Symposium on Geometry Processing 2009; "the paper" in these pages.
 """
 
-from idviewer.core.barycentroid import Barycentroid
 from idviewer.core.coordinates import COORDINATES, Coordinates, Property
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates, mean_value_weights
-from idviewer.core.diagnosis import diagnose
 from idviewer.core.distances import (
     DISTANCES,
     GPS,
@@ -24,9 +22,24 @@ from idviewer.core.distances import (
     distance,
     parameters_of,
 )
-from idviewer.core.interior import InteriorDistance
-from idviewer.core.io import read_mesh
-from idviewer.core.laplacian import (
+from idviewer.core.errors import DistanceError, ShapeError
+from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior.one_off import interior_distance
+from idviewer.core.interior.solver import InteriorDistance
+from idviewer.core.interior.truncation import TruncationError, truncation_error
+from idviewer.core.io.meshes import read_mesh
+from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
+from idviewer.core.io.samples import sample_names, sample_path
+from idviewer.core.shapes.diagnosis import diagnose
+from idviewer.core.shapes.mesh import Mesh, MeshError
+from idviewer.core.shapes.plane import Plane
+from idviewer.core.shapes.polygon import Polygon, PolygonError
+from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.slices.mesh_sections import Section, section
+from idviewer.core.slices.polygon_sections import polygon_section
+from idviewer.core.spectrum.eigen_solver import Spectrum, eigenpairs
+from idviewer.core.spectrum.laplacian import (
     cotangent_laplacian,
     laplacian_of,
     masses_of,
@@ -34,17 +47,6 @@ from idviewer.core.laplacian import (
     voronoi_areas,
     voronoi_lengths,
 )
-from idviewer.core.mesh import Mesh, MeshError
-from idviewer.core.one_off import interior_distance
-from idviewer.core.plane import Plane
-from idviewer.core.polygon import Polygon, PolygonError
-from idviewer.core.polygon_io import read_polygon, read_shape, write_polygon
-from idviewer.core.polygon_section import polygon_section
-from idviewer.core.samples import sample_names, sample_path
-from idviewer.core.shape import DistanceError, Shape, ShapeError
-from idviewer.core.slices import Section, section
-from idviewer.core.spectrum import Spectrum, eigenpairs
-from idviewer.core.truncation import TruncationError, truncation_error
 
 __all__ = [
     "COORDINATES",
@@ -90,6 +92,7 @@ __all__ = [
     "read_mesh",
     "read_polygon",
     "read_shape",
+    "repair_mesh",
     "sample_names",
     "sample_path",
     "section",

@@ -13,20 +13,21 @@ import numpy as np
 from scipy import sparse
 
 from idviewer.core import _kernels as kernels
-from idviewer.core._kernels import LANES, patches
-from idviewer.core._kernels.ears import cut_ears
-from idviewer.core._kernels.surface import patched
-from idviewer.core.carrying import Ground
+from idviewer.core._kernels import LANES
+from idviewer.core._kernels.geometry.ears import cut_ears
+from idviewer.core._kernels.mean_value import patches
+from idviewer.core._kernels.mean_value.surface import patched
 from idviewer.core.coordinates import coordinates_of
-from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.mean_value import mean_value_on
-from idviewer.core.mesh import Mesh
-from idviewer.core.polygon import Polygon
-from idviewer.core.shape import Shape
-from idviewer.core.simplification import simplified
+from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
+from idviewer.core.shapes.closest_points import Ground
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.polygon import Polygon
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.simplification import simplified
+from idviewer.core.spectrum.krylov_basis import TallBasis
+from idviewer.core.spectrum.ldl_factorization import SymmetricFactor
 from idviewer.core.steps import finish
-from idviewer.core.symmetric_factor import SymmetricFactor
-from idviewer.core.tall_basis import TallBasis
 
 Calls = list[Callable[[], object]]
 

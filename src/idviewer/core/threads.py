@@ -8,8 +8,7 @@ from functools import cache
 
 from threadpoolctl import ThreadpoolController
 
-from idviewer.core._kernels.threads import use_threads
-from idviewer.core.shape import Shape
+from idviewer.core._kernels.simd.threads import use_threads
 
 FEW_OF_A_PRODUCT = 2000
 """Vertices of a shape up to which BLAS had better use one thread."""
@@ -19,20 +18,23 @@ FEW_OF_A_KERNEL = 500
 
 
 @contextmanager
-def few_threads(shape: Shape) -> Iterator[None]:
+def few_threads(vertices: int, facets: int) -> Iterator[None]:
     """Within it, what is computed in this thread uses one thread where the shape is small.
 
     Threads that share a small task wait for each other by turning in a loop. Wherever another program has a
     core, that lasts until the system gives it back: some milliseconds, ten times as long as the task.
 
-    >>> from idviewer.core import Polygon
-    >>> with few_threads(Polygon([[0, 0], [1, 0], [0, 1]])):
+    Args:
+        vertices: how many the shape has.
+        facets: how many triangles, or edges of a polygon.
+
+    >>> with few_threads(vertices=3, facets=3):
     ...     before = use_threads(1)
     >>> before
     1
     """
-    products = small_products() if len(shape.vertices) <= FEW_OF_A_PRODUCT else nullcontext()
-    kernels = _small_kernels() if len(shape.facets) <= FEW_OF_A_KERNEL else nullcontext()
+    products = small_products() if vertices <= FEW_OF_A_PRODUCT else nullcontext()
+    kernels = _small_kernels() if facets <= FEW_OF_A_KERNEL else nullcontext()
     with products, kernels:
         yield
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from weakref import ref
 
 from idviewer.core import Distance, Shape, Spectrum
-from idviewer.core.preview import is_worth_previewing
-from idviewer.core.spectrum import eigenpair_steps
+from idviewer.core.interior.preview import is_worth_previewing
+from idviewer.core.spectrum.eigen_solver import eigenpair_steps
 from idviewer.session.opening import Opening
 from idviewer.session.progress import with_progress
 from idviewer.session.spectrum_cache import SpectrumCache

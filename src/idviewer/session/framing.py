@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Generator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from idviewer.core.interior import OF_A_POINT
-from idviewer.session.cloud import squares_of
-from idviewer.session.plane_samples import PlaneSamples, SampledSlice
+from idviewer.core.arrays import Floats
+from idviewer.core.interior.solver import OF_A_POINT
+from idviewer.core.sampling.plane_samples import PlaneSamples, SampledSlice
+from idviewer.core.sampling.point_norms import squares_of
 from idviewer.session.prepared import Prepared
 from idviewer.session.state import FLAT, Frame, Point, Query, Slice
-
-Floats = NDArray[np.float64]
 
 PROBE_SAFETY = 1.5
 """The largest error of all is taken to be so many times the largest probed."""

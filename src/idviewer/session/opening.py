@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 import idviewer
 from idviewer.core import Plane, Shape, Spectrum
-from idviewer.core.plane import AXES
-from idviewer.session.cloud import Cloud
-from idviewer.session.plane_samples import SampledSlice
+from idviewer.core.sampling.plane_samples import SampledSlice
+from idviewer.core.sampling.point_norms import Cloud
+from idviewer.core.shapes.plane import AXES
 from idviewer.session.state import Point, Query
 from idviewer.session.stored_arrays import Arrays, checksum_steps
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Mesh, Polygon, Shape
-from idviewer.core.rays import Ray, crossings, middle_of_first_chord
+from idviewer.core.arrays import Floats
+from idviewer.core.shapes.rays import Ray, crossings, middle_of_first_chord
 from idviewer.session.state import FLAT, Frame, Slice
 
-Floats = NDArray[np.float64]
 _LEFT, _RIGHT, _BELOW, _ABOVE = np.array([1, 2, 4, 8], np.uint8)
 Target = Literal["slice-or-body", "surface", "chord"]
 

@@ -11,14 +11,14 @@ from typing import TypeVar
 import numpy as np
 
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
-from idviewer.core.room import check_room
+from idviewer.core.memory import give_back
+from idviewer.core.sampling.plane_samples import PlaneSamples
+from idviewer.core.spectrum.memory_estimate import check_room
 from idviewer.core.threads import few_threads, small_products
 from idviewer.session.eigenpairs import REFINING, Eigenpairs, Recalled
 from idviewer.session.framing import Framing
 from idviewer.session.kernels import Kernels
-from idviewer.session.memory import give_back
 from idviewer.session.opening import default_plane
-from idviewer.session.plane_samples import PlaneSamples
 from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.previews import Previews
 from idviewer.session.progress import with_progress
@@ -76,7 +76,7 @@ class Pipeline:
                     check_room(shape)  # what is open stays
                     yield Opened(shape, request.path)
                 case FrameRequest():
-                    with few_threads(request.shape):
+                    with few_threads(len(request.shape.vertices), len(request.shape.facets)):
                         yield from _patiently(request.shape, self._frames(request))
                 case DropRequest():
                     self._preparing = self._recalled = None

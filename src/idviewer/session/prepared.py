@@ -7,19 +7,17 @@ from collections import OrderedDict
 from collections.abc import Generator, Hashable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from idviewer.core import Coordinates, Distance, InteriorDistance, Plane, Spectrum
-from idviewer.core.barycentroid import Barycentroid
-from idviewer.core.shape import in_space
+from idviewer.core.arrays import Floats, in_space
+from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.sampling.plane_samples import PlaneSamples
+from idviewer.core.sampling.point_norms import Reach
+from idviewer.core.sampling.sampler import Sampler
 from idviewer.core.steps import finish
-from idviewer.session.cloud import Reach
 from idviewer.session.opening import Opening
-from idviewer.session.plane_samples import PlaneSamples
-from idviewer.session.sampler import Sampler
 from idviewer.session.state import Point, Query, QueryError
 
-Floats = NDArray[np.float64]
 Kind = tuple[Distance, str]
 """A distance and the name of coordinates: what a barycentroid belongs to."""
 

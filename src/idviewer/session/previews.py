@@ -10,8 +10,8 @@ import numpy as np
 
 from idviewer.core import Distance, Mesh, Shape, ShapeError, Spectrum
 from idviewer.core.distances.spectral import percentage
-from idviewer.core.equations import extent
-from idviewer.core.preview import (
+from idviewer.core.interior.equations import extent
+from idviewer.core.interior.preview import (
     COARSE,
     Preview,
     PreviewDistance,

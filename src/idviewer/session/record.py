@@ -11,7 +11,7 @@ import numpy as np
 
 from idviewer.core import Distance, Plane, parameters_of
 from idviewer.core.distances import made
-from idviewer.core.rays import Ray
+from idviewer.core.shapes.rays import Ray
 from idviewer.session.session import Session
 
 

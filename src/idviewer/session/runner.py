@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 
-from idviewer.session.memory import give_back
+from idviewer.core.memory import give_back
 from idviewer.session.state import (
     DropRequest,
     Failure,

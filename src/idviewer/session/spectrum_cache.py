@@ -13,7 +13,7 @@ import numpy as np
 import platformdirs
 
 from idviewer.core import Shape, Spectrum
-from idviewer.core.spectrum import SOLVER_VERSION
+from idviewer.core.spectrum.eigen_solver import SOLVER_VERSION
 from idviewer.core.steps import finish
 from idviewer.session.bounded_folder import BoundedFolder
 from idviewer.session.opening import Opening, kind_steps

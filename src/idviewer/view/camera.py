@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from idviewer.core.rays import Ray
-from idviewer.core.shape import in_space
+from idviewer.core.arrays import in_space
+from idviewer.core.shapes.rays import Ray
 
 Vector = NDArray[np.float64]
 View = Literal["front", "back", "left", "right", "top", "bottom"]

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from idviewer.core import Plane, Shape
-from idviewer.core.plane import AXES
+from idviewer.core.shapes.plane import AXES
 from idviewer.session.state import Frame, State
 from idviewer.view.flat import is_flat
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
 from idviewer.core import PolygonError
+from idviewer.core.arrays import Floats
 from idviewer.session.session import Session
 from idviewer.view.message_bar import MessageBar
-
-Floats = NDArray[np.float64]
 
 MOST = 500
 """Moves that can be taken back."""

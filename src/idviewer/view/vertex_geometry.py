@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from idviewer.core import Polygon
-from idviewer.core.shape import in_space
+from idviewer.core.arrays import Floats, in_space
 from idviewer.view.camera import Projection
-
-Floats = NDArray[np.float64]
 
 REACH = 8.0
 """How near, in pixels, the mouse must be to a vertex."""

@@ -13,7 +13,7 @@ from PySide6.QtGui import QEnterEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from idviewer.core import Plane, Polygon
-from idviewer.core.shape import in_space
+from idviewer.core.arrays import in_space
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.camera import Pose, Projection, View
 from idviewer.view.drawing import Smoothing, drawing_widget

@@ -12,8 +12,8 @@ from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplicat
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
 from idviewer.core import DistanceError, MeshError, Shape, ShapeError
-from idviewer.core.rays import Ray
-from idviewer.core.samples import sample_names, sample_path
+from idviewer.core.io.samples import sample_names, sample_path
+from idviewer.core.shapes.rays import Ray
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, QueryError, State
 from idviewer.view import clearing, dialogs, images

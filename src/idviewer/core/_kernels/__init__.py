@@ -5,9 +5,9 @@ distance; for the triangle (1, 2, 3), s_jk = |u_j - u_k|^2 / 4 and c_jk = |u_j +
 Everything is in units of the bounding box's diagonal, about its centre.
 """
 
-from idviewer.core._kernels.blocks import thread_count, weigh
-from idviewer.core._kernels.lanes import LANES
-from idviewer.core._kernels.patches import Scratch, no_landing, scratch_for
+from idviewer.core._kernels.mean_value.blocks import thread_count, weigh
+from idviewer.core._kernels.mean_value.patches import Scratch, no_landing, scratch_for
+from idviewer.core._kernels.simd.lanes import LANES
 
 __all__ = [
     "LANES",

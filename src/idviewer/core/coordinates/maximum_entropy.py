@@ -6,15 +6,13 @@ import warnings
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from idviewer.core._kernels.entropy import maximum_entropy
+from idviewer.core._kernels.mean_value.maximum_entropy import maximum_entropy
+from idviewer.core.arrays import Floats, Ints, as_points, in_space
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
-from idviewer.core.shape import Shape, as_points, in_space
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from idviewer.core.shapes.shape import Shape
 
 RESIDUAL = 1e-11
 """Largest |sum w_i v_i - p|, in diagonals of the bounding box, of weights that are given out."""
@@ -59,7 +57,7 @@ class MaximumEntropyCoordinates(Coordinates):
         super().__init__(shape)
         self.unconverged = 0
         self._boundary = mean_value_on(shape)
-        positions = self._boundary.place(shape.vertices)
+        positions = self._boundary.normalise(shape.vertices)
         self._elements = self._boundary.elements
         constants = face_constants if shape.dimension == 3 else edge_constants
         self._constants = constants(positions, self._elements)

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import cast
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from idviewer.core.approximation import Approximation
-from idviewer.core.coordinates._mean_value_mesh import MeshMeanValue
-from idviewer.core.coordinates._mean_value_polygon import PolygonMeanValue
+from idviewer.core.arrays import Floats, as_points
+from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
+from idviewer.core.coordinates.mean_value_polygon import PolygonMeanValue
 from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
-from idviewer.core.mesh import Mesh
-from idviewer.core.shape import Shape, as_points
-
-Floats = NDArray[np.float64]
+from idviewer.core.coordinates.tolerance import Approximation
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.shape import Shape
 
 
 def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:

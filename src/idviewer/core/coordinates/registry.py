@@ -7,12 +7,11 @@ from enum import Enum
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from idviewer.core.shape import Shape, as_points
+from idviewer.core.arrays import Floats, as_points
+from idviewer.core.shapes.shape import Shape
 from idviewer.core.steps import finish
-
-Floats = NDArray[np.float64]
 
 WIDE, FEWEST, PRODUCTS = 256, 16, 2**26
 """Columns from which on values are interpolated in portions, their fewest points, and about how many products

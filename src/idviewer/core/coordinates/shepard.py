@@ -7,11 +7,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from idviewer.core.arrays import Floats, as_points
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
-from idviewer.core.shape import Shape, as_points
-
-Floats = NDArray[np.float64]
+from idviewer.core.shapes.shape import Shape
 
 AT_ONCE = 1 << 18
 """Points times vertices that are worked on at once: 2 MB an array."""
@@ -53,7 +52,7 @@ class ShepardCoordinates(Coordinates):
     def __init__(self, shape: Shape) -> None:
         super().__init__(shape)
         self._boundary = mean_value_on(shape)
-        self._vertices = self._boundary.place(shape.vertices)
+        self._vertices = self._boundary.normalise(shape.vertices)
         self._parts = boundary_parts(self._vertices, self._boundary.elements)
 
     def weights(self, points: ArrayLike) -> Floats:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from idviewer.core.distances.commute_form import CommuteForm, commute_embedding_steps
 from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, distance
-from idviewer.core.greens import CommuteForm, commute_embedding_steps
-from idviewer.core.shape import Shape
-from idviewer.core.spectrum import Spectrum
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.spectrum.eigen_solver import Spectrum
 
 LARGEST = 4000
 """Vertices of an embedding without truncation: 10 s, 0.5 GB with the kernels' copy, 5 ms a sample."""

@@ -7,14 +7,12 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from idviewer.core.arrays import Floats
 from idviewer.core.distances.parameters import Number, positive
 from idviewer.core.distances.registry import distance
 from idviewer.core.distances.spectral import Spectral, needed, percentage
-from idviewer.core.spectrum import SMALLEST_KEPT, Spectrum, paper_cutoff, paper_time
-
-Floats = NDArray[np.float64]
+from idviewer.core.spectrum.eigen_solver import SMALLEST_KEPT, Spectrum, paper_cutoff, paper_time
 
 TIME = Number("Time", "how long heat flows, in the shape's unit squared", "t", paper_time, (1 / 8, 64.0))
 

@@ -7,13 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from idviewer.core.distances.classical_mds import ROUNDING, landmark_scaling_steps
+from idviewer.core.distances.geodesics import Geodesics, landmark_steps
 from idviewer.core.distances.parameters import Choice, Integer
 from idviewer.core.distances.registry import Basis, Distance, Steps, distance
 from idviewer.core.distances.spectral import percentage
-from idviewer.core.geodesics import Geodesics, landmark_steps
-from idviewer.core.scaling import ROUNDING, landmark_scaling_steps
-from idviewer.core.shape import Shape
-from idviewer.core.spectrum import Spectrum
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.spectrum.eigen_solver import Spectrum
 
 ALL_PAIRS, USUAL = 1000, 300
 """Vertices up to which all pairs are taken, and the number of landmarks beyond."""
@@ -40,7 +40,7 @@ class Geodesic(Distance):
     Attributes:
         landmarks: how many; None stands for all vertices of shapes of up to 1,000, and 300 of others. As
             many as vertices, or more, is all pairs.
-        method: "heat" or "exact", see `idviewer.core.geodesics.Geodesics`.
+        method: "heat" or "exact", see `idviewer.core.distances.geodesics.Geodesics`.
 
     >>> Geodesic(landmarks=2)
     Traceback (most recent call last):

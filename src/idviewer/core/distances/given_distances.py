@@ -9,17 +9,16 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from idviewer.core.arrays import Floats
+from idviewer.core.distances.classical_mds import scaling_steps
+from idviewer.core.distances.given_arrays import Held, given, matrix_of
 from idviewer.core.distances.parameters import Choice, File
 from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, distance
 from idviewer.core.distances.spectral import percentage
-from idviewer.core.npy import Held, given, matrix_of
-from idviewer.core.scaling import scaling_steps
-from idviewer.core.shape import DistanceError, Shape
-from idviewer.core.spectrum import Spectrum
-
-Floats = NDArray[np.float64]
+from idviewer.core.errors import DistanceError
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.spectrum.eigen_solver import Spectrum
 
 MATRIX = File("Matrix", "the distances", content="n x n distances, n the number of vertices")
 FITS = (("exact", "Must embed exactly"), ("approximate", "Nearest embedding"))

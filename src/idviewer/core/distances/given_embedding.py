@@ -8,15 +8,13 @@ from os import PathLike
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from idviewer.core.arrays import Floats
+from idviewer.core.distances.given_arrays import Held, given, matrix_of
 from idviewer.core.distances.parameters import File
 from idviewer.core.distances.registry import Basis, Distance, Steps, distance
-from idviewer.core.npy import Held, given, matrix_of
-from idviewer.core.shape import Shape
-from idviewer.core.spectrum import Spectrum
-
-Floats = NDArray[np.float64]
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.spectrum.eigen_solver import Spectrum
 
 EMBEDDING = File("Embedding", "the embedded vertices", content="one row of coordinates for each vertex")
 

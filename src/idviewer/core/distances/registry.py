@@ -7,14 +7,14 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from idviewer.core.arrays import Floats
 from idviewer.core.distances.parameters import Number, Parameter
-from idviewer.core.shape import DistanceError, Shape
-from idviewer.core.spectrum import Spectrum
+from idviewer.core.errors import DistanceError
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.spectrum.eigen_solver import Spectrum
 from idviewer.core.steps import finish
 
-Floats = NDArray[np.float64]
 Steps = Generator[float | None, None, "Basis"]
 Registered = TypeVar("Registered", bound="type[Distance]")
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from idviewer.core.arrays import Floats
 from idviewer.core.distances.registry import Distance
-from idviewer.core.shape import Shape
-from idviewer.core.spectrum import Spectrum, paper_cutoff
-
-Floats = NDArray[np.float64]
+from idviewer.core.shapes.shape import Shape
+from idviewer.core.spectrum.eigen_solver import Spectrum, paper_cutoff
 
 
 class Spectral(Distance):

@@ -7,16 +7,14 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from idviewer.core.arrays import Floats
+from idviewer.core.distances.expressions import Expression
 from idviewer.core.distances.parameters import Formula
 from idviewer.core.distances.registry import distance
 from idviewer.core.distances.spectral import Spectral, needed, percentage
-from idviewer.core.expressions import Expression
-from idviewer.core.shape import DistanceError
-from idviewer.core.spectrum import Spectrum
-
-Floats = NDArray[np.float64]
+from idviewer.core.errors import DistanceError
+from idviewer.core.spectrum.eigen_solver import Spectrum
 
 HEAT = "exp(-lambda / (8 * lambda_2))"
 FILTER = Formula("Filter", "f of the eigenvalue lambda, at least 0; lambda_2 is the first one", HEAT)

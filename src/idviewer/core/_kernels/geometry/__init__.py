@@ -1,0 +1,1 @@
+"""Compiled loops over points and faces: closest points, collapses of edges, triangulation of polygons."""

@@ -1,0 +1,1 @@
+"""Compiled sparse and tall-skinny linear algebra."""

@@ -1,0 +1,1 @@
+"""Compiled loops of the mean value and maximum entropy coordinates, face by face."""

@@ -1,0 +1,1 @@
+"""SIMD vectors, threads and the options of the compiler."""

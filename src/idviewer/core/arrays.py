@@ -1,0 +1,47 @@
+"""Arrays that the library takes and gives: their types, and the doors for lists of points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+def as_points(points: ArrayLike, dimension: int) -> Floats:
+    """points as (p, dimension) float64; a ValueError names any other shape.
+
+    >>> as_points([[0, 1, 2]], 3).shape
+    (1, 3)
+    """
+    array = np.asarray(points, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != dimension:
+        raise ValueError(f"points must have shape (p, {dimension}), not {array.shape}")
+    return array
+
+
+def in_space(points: ArrayLike) -> Floats:
+    """Points (p, 3) as they are; points of a polygon, (p, 2), in the plane z = 0.
+
+    >>> in_space([[1.0, 2.0]]).tolist()
+    [[1.0, 2.0, 0.0]]
+    """
+    array = np.asarray(points, dtype=np.float64)
+    return np.column_stack([array, np.zeros(len(array))]) if array.shape[1] == 2 else array
+
+
+def as_pairs(p: ArrayLike, q: ArrayLike, dimension: int) -> tuple[Floats, Floats]:
+    """Two lists of points, (p, dimension) each, or (1, dimension); a ValueError names what does not match.
+
+    >>> [len(points) for points in as_pairs([[0, 0]], [[1, 1], [2, 2]], 2)]
+    [1, 2]
+    """
+    first, second = as_points(p, dimension), as_points(q, dimension)
+    if len(first) != len(second) and 1 not in (len(first), len(second)):
+        raise ValueError(
+            f"distances between {len(first)} points and {len(second)} points: "
+            "there must be as many of both, or one of either"
+        )
+    return first, second

@@ -1,0 +1,41 @@
+"""Mean value coordinates of points inside a polygon, with or without holes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from idviewer.core._kernels.mean_value.outline import locate, mean_value
+from idviewer.core.arrays import Floats, as_points
+from idviewer.core.coordinates.point_classification import Boundary, Whereabouts
+from idviewer.core.shapes.shape import Shape
+
+
+class PolygonMeanValue(Boundary):
+    """Evaluates mean value coordinates of one polygon.
+
+    Source: Hormann and Floater 2006: w_i = (tan(alpha_(i-1) / 2) + tan(alpha_i / 2)) / r_i, signed angles.
+
+    Args:
+        polygon: n vertices; edges with the interior on their left.
+    """
+
+    def __init__(self, polygon: Shape) -> None:
+        super().__init__(polygon)
+        self.elements = np.ascontiguousarray(polygon.edges)
+        vertices = self.normalise(polygon.vertices)
+        self._vertices = np.ascontiguousarray(vertices.T)
+        self._ends = np.ascontiguousarray(vertices[self.elements].reshape(-1, 4).T)
+
+    def locate(self, points: Floats) -> Whereabouts:
+        """Which of points (p, 2) are inside, and which on an edge."""
+        edge, share, turns = locate(self.normalise(points), self._ends, self.tolerance)
+        on = np.flatnonzero(edge >= 0)
+        shares = np.stack([1.0 - share[on], share[on]], axis=1)
+        return Whereabouts(np.flatnonzero((edge < 0) & (turns > 0)), on, self.elements[edge[on]], shares)
+
+    def weights(self, points: ArrayLike) -> Floats:
+        """(p, n) rows that sum to 1 of points (p, 2); NaN for points outside."""
+        places, where, result = self.rows(as_points(points, 2))
+        mean_value(places, where.inside, self._vertices, self.elements, self._ends, result)
+        return result

@@ -1,0 +1,69 @@
+"""Where points are: inside, on the boundary, or outside; and the units that all evaluations work in."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.shapes.shape import Shape
+
+
+class Whereabouts(NamedTuple):
+    """Of many points; those in neither list are outside.
+
+    Attributes:
+        inside: (q,) indices of points inside and off the boundary.
+        on: (l,) indices of points on the boundary.
+        vertices: (l, dimension) of the edge or face that each of these lies on.
+        shares: (l, dimension) of these vertices, which sum to 1.
+    """
+
+    inside: Ints
+    on: Ints
+    vertices: Ints
+    shares: Floats
+
+
+class Boundary(ABC):
+    """A shape's boundary as evaluations need it.
+
+    Attributes:
+        elements: (e, 2) edges of a polygon, with the interior on their left, or (m, 3) faces of a mesh.
+        tolerance: how near the boundary a point counts as lying on it, in diagonals: 64 roundings of the
+            input, which are large on a shape far from the origin.
+    """
+
+    elements: Ints
+
+    def __init__(self, shape: Shape) -> None:
+        self._count = len(shape.vertices)
+        self._centre = shape.bounds.mean(axis=0)
+        self._scale = 1.0 / shape.diagonal
+        reach = float(np.abs(shape.bounds).max()) * self._scale
+        self.tolerance = 64.0 * float(np.finfo(float).eps) * (1.0 + reach)
+
+    def normalise(self, points: Floats) -> Floats:
+        """Points (p, dimension) in units of the bounding box's diagonal, about its centre."""
+        return (points - self._centre) * self._scale
+
+    @abstractmethod
+    def locate(self, points: Floats) -> Whereabouts:
+        """Which of points (p, dimension) are inside, and which on the boundary."""
+
+    def rows(self, points: Floats) -> tuple[Floats, Whereabouts, Floats]:
+        """For points (p, dimension): `normalise`, `locate`, and (p, n) rows of weights.
+
+        The rows are ready for points on the boundary, where weights are linear, and outside, where they are
+        NaN; those of points inside are to be filled in.
+        """
+        where = self.locate(points)
+        result = np.empty((len(points), self._count))
+        outside = np.ones(len(points), dtype=bool)
+        outside[where.inside] = False
+        result[outside] = np.nan
+        result[where.on] = 0.0
+        np.add.at(result, (where.on[:, None], where.vertices), where.shares)
+        return self.normalise(points), where, result

@@ -1,0 +1,110 @@
+"""Mean value interpolation within a tolerance that it checks itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import Protocol
+
+import numpy as np
+
+from idviewer.core._kernels.treecode.normalize import Target
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.coordinates.treecode import ClusterTree
+
+FINEST = 5e-6
+"""For smaller tolerances the exact loop over all faces is about as quick, and single precision ends."""
+
+AIMS = 0.7, 0.07
+"""Shares of the tolerance that are aimed at, one after the other; points that fail both checks are exact."""
+
+NEGLIGIBLE = 0.2
+"""Share of the tolerance up to which columns that count little are left out, as zeros."""
+
+
+class ExactCoordinates(Protocol):
+    """Exact coordinates of a mesh, on which an approximation falls back.
+
+    Attributes:
+        tolerance: distance from the surface below which a point lies on it, in diagonals.
+    """
+
+    tolerance: float
+
+    @property
+    def normalised_mesh(self) -> tuple[Floats, Ints]:
+        """(n, 3) vertices about the bounding box's centre, in its diagonals, and (m, 3) faces."""
+
+    def normalise(self, points: Floats) -> Floats:
+        """Points (p, 3) about the bounding box's centre, in its diagonals."""
+
+    def interpolate_steps(self, points: Floats, values: Floats) -> Generator[float, None, Floats]:
+        """Values (p, k) at points (p, 3) of values (n, k) at the vertices."""
+
+
+class Approximation:
+    """Values given at the vertices, carried to inner points within a tolerance.
+
+    Far faces act through the moments of clusters (docs/cluster_tree.md). The positions are carried along
+    with the values: how well they come back is the check of each point.
+
+    Args:
+        coordinates: of the mesh.
+        values: (n, k).
+        weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
+    """
+
+    def __init__(self, coordinates: ExactCoordinates, values: Floats, weights: Floats) -> None:
+        self._coordinates, self._values, self._weights = coordinates, values, weights
+        self._trees: dict[int, tuple[ClusterTree, Ints]] = {}
+
+    def interpolate_steps(self, points: Floats, tolerance: float) -> Generator[float, None, Floats]:
+        """Values at points; yields the share done every few milliseconds.
+
+        Args:
+            points: (p, 3).
+            tolerance: error allowed.
+
+        Returns:
+            (p, k), NaN for points outside the mesh.
+        """
+        if tolerance < FINEST:
+            return (yield from self._coordinates.interpolate_steps(points, self._values))
+        tree, columns = yield from self.prepare_steps(tolerance)
+        result = np.zeros((len(points), self._values.shape[1]))
+        places = self._coordinates.normalise(points)
+        # All that is farther out than the corners of the bounding box is outside.
+        near = np.abs(places).max(axis=1, initial=0.0) <= 0.5
+        result[~near] = np.nan
+        left = np.flatnonzero(near)
+        for aim in AIMS:
+            doubtful = np.zeros(len(left), dtype=np.bool_)
+            target = Target(left, columns, result, doubtful)
+            yield from tree.interpolate_steps(places[left], aim * tolerance, tolerance, target)
+            left = left[doubtful]
+            if len(left) == 0:
+                return result
+        result[left] = yield from self._coordinates.interpolate_steps(points[left], self._values)
+        return result
+
+    def prepare_steps(self, tolerance: float) -> Generator[float, None, tuple[ClusterTree, Ints]]:
+        """The tree for a tolerance, and the columns it holds; built where none serves, one a power of ten."""
+        power = math.floor(math.log10(tolerance) + 1e-9)
+        if power not in self._trees:
+            columns = self._columns_that_count(10.0**power)
+            tree = yield from ClusterTree.build_steps(
+                self._coordinates.normalised_mesh,
+                self._values[:, columns],
+                self._weights[columns],
+                10.0**power,
+                self._coordinates.tolerance,
+            )
+            self._trees[power] = tree, columns
+        return self._trees[power]
+
+    def _columns_that_count(self, tolerance: float) -> Ints:
+        """All but the columns that together stay below a part of the tolerance."""
+        largest = np.abs(self._weights) * np.abs(self._values).max(axis=0, initial=0.0)
+        order = np.argsort(largest, kind="stable")
+        dropped = np.sqrt(np.cumsum(largest[order] ** 2)) <= NEGLIGIBLE * tolerance
+        return np.sort(order[~dropped])

@@ -1,0 +1,1 @@
+"""Files: readers of meshes and polygons, and the bundled shapes."""

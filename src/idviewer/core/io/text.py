@@ -1,0 +1,63 @@
+"""Readers of mesh files: bytes in, polygons out. They check the file, not the mesh.
+
+trimesh's readers are not used: they take truncated files and wrong counts for smaller meshes, lose polygons,
+follow textures. A reader raises ValueError (in its own words where it can) on anything but a whole,
+consistent file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from idviewer.core.arrays import Floats, Ints
+
+Tokens = Sequence[bytes]
+
+
+class UnreadableError(ValueError):
+    """What is wrong with the file, in words for its owner."""
+
+
+def floats(tokens: Tokens) -> Floats:
+    """Numbers from text. Raises UnreadableError that names the first token that is none."""
+    try:
+        return np.array(list(map(float, tokens)), dtype=np.float64)
+    except ValueError:
+        raise UnreadableError(f"{_shown(tokens, float)} stands where a number belongs") from None
+
+
+def integers(tokens: Tokens) -> Ints:
+    """Whole numbers from text. Raises UnreadableError that names the first token that is none."""
+    try:
+        return np.array(list(map(int, tokens)), dtype=np.int64)
+    except (ValueError, OverflowError):
+        raise UnreadableError(f"{_shown(tokens, int)} stands where a vertex number belongs") from None
+
+
+def _shown(tokens: Tokens, kind: type[int] | type[float]) -> str:
+    for token in tokens:
+        try:
+            np.array(kind(token), dtype=np.int64 if kind is int else np.float64)
+        except (ValueError, OverflowError):
+            return ascii(token[:20].decode("latin-1")) + ("..." if len(token) > 20 else "")
+    return "something else"
+
+
+def text_lines(data: bytes) -> list[bytes]:
+    """Lines of a text file, without comments (#) and blank ones. Raises UnreadableError if it is no text."""
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    if b"\0" in data:
+        raise UnreadableError("it holds binary data, not text")
+    lines = data.splitlines()
+    if b"#" in data:
+        lines = [line.partition(b"#")[0] for line in lines]
+    return [line for line in lines if line and not line.isspace()]
+
+
+def missing(what: str, promised: int, found: int) -> UnreadableError:
+    """The error for a file that does not hold what its header promises."""
+    if found < promised:
+        return UnreadableError(f"truncated: it announces {promised:,} {what} and holds {found:,}")
+    return UnreadableError(f"wrong counts: it announces {promised:,} {what} and holds more")

@@ -1,0 +1,1 @@
+"""Shapes: meshes, polygons and planes, and what is done to them."""

@@ -1,0 +1,85 @@
+"""Functions on a simplified mesh, carried to points on or near its surface."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from idviewer.core._kernels.geometry.closest_points import land
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.steps import finish
+
+AT_A_TIME = 5_000
+"""Points landed between two checkpoints: some five milliseconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Landings:
+    """Points of a mesh's surface.
+
+    Attributes:
+        faces: (p,) the face that each lies in.
+        shares: (p, 3) their barycentric coordinates there: not negative, with the sum 1.
+    """
+
+    faces: Ints
+    shares: Floats
+
+    def matrix(self, mesh: Mesh) -> csr_array:
+        """(p, c) from values at the mesh's c vertices to those at the points: linear in each face."""
+        shape = len(self.faces), len(mesh.vertices)
+        starts = np.arange(0, self.shares.size + 1, 3)
+        return csr_array((self.shares.ravel(), mesh.faces[self.faces].ravel(), starts), shape=shape)
+
+
+class Ground:
+    """A mesh on which points are landed.
+
+    Args:
+        mesh: c vertices.
+
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> tetrahedron = Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> landings = Ground(tetrahedron).land([[0.25, 0.25, -0.1]])
+    >>> (landings.matrix(tetrahedron) @ tetrahedron.vertices).tolist()
+    [[0.25, 0.25, 0.0]]
+    """
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self._around = np.argsort(mesh.faces.ravel(), kind="stable") // 3
+        self._first = np.append(0, np.cumsum(np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices))))
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.mesh.vertices)
+
+    def land(self, points: ArrayLike, starts: Ints | None = None) -> Landings:
+        """The points of the surface closest to points (p, 3), as seen from where the walk to each starts.
+
+        Args:
+            points: (p, 3).
+            starts: (p,) vertices; the closest ones by default. Where parts of the surface lie close to each
+                other, they say which of them is meant.
+        """
+        return finish(self.land_steps(points, starts))
+
+    def land_steps(self, points: ArrayLike, starts: Ints | None = None) -> Generator[float, None, Landings]:
+        """`land` as a generator that yields the share done every few milliseconds."""
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        if starts is None:
+            starts = self._tree.query(points)[1]
+        found, shares = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
+        for begin in range(0, len(points), AT_A_TIME):
+            part = slice(begin, begin + AT_A_TIME)
+            land(points[part], starts[part], self.mesh.vertices, self.mesh.faces, self._first, self._around,
+                 found[part], shares[part])  # fmt: skip
+            yield min(1.0, (begin + AT_A_TIME) / len(points))
+        return Landings(found, shares)

@@ -1,0 +1,137 @@
+"""What is wrong with a mesh, and its sizes.
+
+`diagnose` reports the very walk that `repair_mesh` acts on and that `Mesh` refuses to have needed, so all
+three never disagree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.validation.findings import Finding, Point
+from idviewer.core.validation.mesh_checks import Examination, examine
+from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.repairs import volume_and_area
+
+__all__ = ["Diagnosis", "Finding", "diagnose"]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Sizes of a mesh and everything that is wrong with it.
+
+    Sizes are those of the surface after every repair that could be made.
+
+    Attributes:
+        vertices: how many.
+        faces: how many triangles.
+        edges: how many.
+        components: faces of each connected component, the largest first.
+        euler_characteristic: V - E + F; a pinched vertex counts once for every part of the surface that meets
+            in it.
+        genus: handles of all components together; None unless the surface is closed and two-sided.
+        boundary_loops: how many holes the surface has.
+        area: of the surface.
+        volume: that it encloses; None unless it is closed and two-sided.
+        bounds: lowest and highest corner of the bounding box; None if it has none.
+        input_vertices: how many were given, before any repair.
+        input_faces: how many polygons were given.
+        findings: what is wrong, in the order in which it was found; empty for a faultless mesh.
+    """
+
+    vertices: int
+    faces: int
+    edges: int
+    components: tuple[int, ...]
+    euler_characteristic: int
+    genus: int | None
+    boundary_loops: int
+    area: float
+    volume: float | None
+    bounds: tuple[Point, Point] | None
+    input_vertices: int
+    input_faces: int
+    findings: tuple[Finding, ...]
+
+    @property
+    def usable(self) -> bool:
+        """Whether the mesh can be used, as it is or after the repairs named."""
+        return not any(finding.fatal for finding in self.findings)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers, strings and lists, for JSON."""
+        plain = asdict(self)
+        plain["findings"] = [finding.as_dict() for finding in self.findings]
+        return {"usable": self.usable, **plain}
+
+
+def diagnose(
+    vertices: ArrayLike | Mesh, faces: ArrayLike | Sequence[Sequence[int]] | None = None
+) -> Diagnosis:
+    """Everything that is wrong with a mesh, and its sizes.
+
+    Args:
+        vertices: (n, 3) points, or a Mesh.
+        faces: (m, 3) vertex indices, counter-clockwise seen from outside; also polygons, as (m, k) indices or
+            as a sequence of index sequences of any lengths. Left out for a Mesh.
+
+    Raises:
+        ValueError: the arrays do not have these shapes.
+
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> diagnose(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).genus
+    0
+    >>> diagnose(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2]]).findings[0].message
+    '3 boundary edges in 1 loop, near (1, 0, 0)'
+    """
+    if isinstance(vertices, Mesh):
+        return diagnose(vertices.vertices, vertices.faces)
+    return diagnosis_of(examine(Polygons.of(vertices, () if faces is None else faces)))
+
+
+def diagnosis_of(walk: Examination) -> Diagnosis:
+    """The report of a finished examination."""
+    given = walk.given
+    finite = walk.vertices[np.isfinite(walk.vertices).all(axis=1)]
+    bounds = None if len(finite) == 0 else (_point(finite.min(axis=0)), _point(finite.max(axis=0)))
+    blank = {"edges": 0, "components": (), "euler_characteristic": 0, "genus": None}
+    blank |= {"boundary_loops": 0, "area": 0.0, "volume": None}
+    sizes = {"vertices": len(walk.vertices), "faces": len(walk.faces) or len(given.sizes), "bounds": bounds}
+    measured = _measured(walk) if len(walk.faces) else {}
+    return Diagnosis(
+        **{**blank, **sizes, **measured},
+        input_vertices=len(given.vertices),
+        input_faces=len(given.sizes),
+        findings=tuple(walk.findings),
+    )
+
+
+def _measured(walk: Examination) -> dict[str, Any]:
+    """The sizes that need a surface."""
+    topology = walk.topology
+    number, of_face = topology.components
+    volume, area = volume_and_area(walk.vertices, walk.faces)
+    corners = len(topology.umbrellas()) if walk.sound else len(walk.vertices)
+    characteristic = corners - len(topology.ends) + len(walk.faces)
+    # Taken apart at its pinched vertices, a body may have more parts than components.
+    parts = number if corners == len(walk.vertices) else topology.parts()
+    return {
+        "edges": len(topology.ends),
+        "components": tuple(np.bincount(of_face).tolist()),
+        "euler_characteristic": characteristic,
+        "genus": (2 * parts - characteristic) // 2 if walk.sound else None,
+        "boundary_loops": topology.boundary_loops() if len(topology.boundary) else 0,
+        "area": area,
+        "volume": volume if walk.sound else None,
+    }
+
+
+def _point(values: np.ndarray) -> Point:
+    x, y, z = values.tolist()
+    return x, y, z

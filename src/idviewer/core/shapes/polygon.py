@@ -1,0 +1,261 @@
+"""The polygon that everything else computes on: a simple outline, with holes or without."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from idviewer.core.arrays import Floats, Ints, as_points
+from idviewer.core.shapes.polygon_bridges import resistances_between, wires_between
+from idviewer.core.shapes.polygon_resampling import resampled_loops
+from idviewer.core.validation import polygon_checks as checks
+from idviewer.core.validation.polygon_checks import PolygonError
+
+__all__ = ["Polygon", "PolygonError"]
+
+PAIRS = 2**18
+"""Pairs of a point and an edge looked at together, at most about."""
+
+ON_THE_EDGE = 4.0 * float(np.finfo(np.float64).eps)
+"""Points nearer to an edge than this share of the largest coordinate lie on it, as far as floats can tell."""
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Polygon:
+    """A polygon whose outline neither crosses nor touches itself, with holes or without.
+
+    The constructor takes copies and checks everything. Polygons compare by identity, and any thread may
+    read them. The loops of a polygon with holes are joined by wires: a minimum spanning tree over the
+    nearest pairs of vertices, along which heat flows and boundary distances are measured. A wire has a
+    length but no mass. The paper knows one loop, and then there are no wires.
+
+    Attributes:
+        vertices: (n, 2) float64 points, read-only.
+        loops: vertex numbers of each loop, read-only: the outer one (that of the largest area) first and
+            counter-clockwise, the holes clockwise. One loop through all vertices if none are given; the
+            order and the sense in which loops are given do not matter.
+        name: for titles; file name without its suffix.
+        notes: what was changed when it was read, one sentence each.
+
+    Raises:
+        PolygonError: under three vertices, repeated ones, edges that cross or touch, holes that lie outside
+            or in each other, no area, numbers that are not finite.
+
+    >>> square = Polygon([[0, 0], [0, 1], [1, 1], [1, 0]])
+    >>> square.area, square.perimeter, square.loops[0].tolist()
+    (1.0, 4.0, [0, 3, 2, 1])
+    """
+
+    dimension: ClassVar[int] = 2
+
+    vertices: NDArray[np.float64]
+    loops: tuple[NDArray[np.int64], ...] = ()
+    name: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        loops: Sequence[ArrayLike] | None = None,
+        name: str = "",
+        notes: Sequence[str] = (),
+    ) -> None:
+        self._label(name, notes)
+        try:
+            points = checks.points_of(vertices)
+            numbers = checks.loops_of(loops, len(points))
+            successors = checks.successors_of(numbers)
+            checks.refuse_repeated(points, successors)
+            checks.refuse_crossing(points, successors)
+            numbers = checks.oriented(points, numbers)
+            checks.refuse_nesting(points, numbers)
+        except PolygonError as error:
+            raise self._named(error) from None
+        self._fill(points, numbers)
+
+    def _named(self, error: PolygonError) -> PolygonError:
+        return PolygonError(f"{self.name}: {error}") if self.name else error
+
+    def _label(self, name: str, notes: Sequence[str]) -> None:
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "notes", tuple(notes))
+
+    def _fill(self, vertices: Floats, loops: tuple[Ints, ...]) -> None:
+        for array in (vertices, *loops):
+            array.setflags(write=False)
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "loops", loops)
+
+    def __repr__(self) -> str:
+        holes = {1: "", 2: ", 1 hole"}.get(len(self.loops), f", {len(self.loops) - 1} holes")
+        return f"Polygon({self.name!r}, {len(self.vertices)} vertices{holes})"
+
+    @classmethod
+    def of_loops(cls, loops: Sequence[ArrayLike], name: str = "", notes: Sequence[str] = ()) -> Polygon:
+        """The polygon whose loops are given as points, (k, 2) each, the last not repeating the first.
+
+        >>> outer, hole = [[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [2, 1], [2, 2], [1, 2]]
+        >>> Polygon.of_loops([outer, hole])
+        Polygon('', 8 vertices, 1 hole)
+        """
+        try:
+            points = [checks.points_of(loop) for loop in loops]
+        except PolygonError as error:
+            raise PolygonError(f"{name}: {error}" if name else str(error)) from None
+        ends = np.cumsum([0, *map(len, points)])
+        numbers = tuple(np.arange(first, stop) for first, stop in itertools.pairwise(ends))
+        return cls(np.concatenate([np.empty((0, 2)), *points]), numbers, name, tuple(notes))
+
+    def with_vertices(self, vertices: ArrayLike) -> Polygon:
+        """The same loops with vertices moved; only edges that moved are checked.
+
+        Args:
+            vertices: (n, 2).
+
+        Raises:
+            PolygonError: like the constructor.
+
+        >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> square.with_vertices([[0, 0], [1, 0], [3, 3], [0, 1]]).area
+        3.0
+        """
+        try:
+            points = checks.points_of(vertices)
+            if len(points) != len(self.vertices):
+                raise PolygonError(
+                    f"{len(self.vertices)} vertices are to be moved, and {len(points)} are given"
+                )
+            successors = checks.successors_of(self.loops)
+            changed = (points != self.vertices).any(axis=1)
+            # Edges at a moved vertex, and one before them: it and the next might now fold.
+            changed |= changed[successors]
+            moved = np.flatnonzero(changed | changed[successors])
+            checks.refuse_repeated(points, successors)
+            few = 4 * len(moved) < len(points)
+            checks.refuse_crossing(points, successors, moved if few else None)
+            loops = checks.oriented(points, self.loops)
+            checks.refuse_nesting(points, loops)
+        except PolygonError as error:
+            raise self._named(error) from None
+        polygon = object.__new__(Polygon)
+        polygon._label(self.name, self.notes)
+        polygon._fill(points, loops)
+        return polygon
+
+    def resampled(self, count: int) -> Polygon:
+        """The outline sampled at so many points; corners stay, between them the spacing is equal.
+
+        A corner is a vertex where the outline turns by more than 20 degrees. Points are shared out so that
+        the widest spacing is as small as can be.
+
+        Args:
+            count: of all loops together.
+
+        Raises:
+            PolygonError: too few points for the corners, or so few that edges cross.
+
+        >>> len(Polygon([[0, 0], [3, 0], [0, 4]]).resampled(24).vertices)
+        24
+        """
+        try:
+            loops = resampled_loops(self.vertices, self.loops, count)
+            made = Polygon.of_loops(loops)
+        except PolygonError as error:
+            raise self._named(PolygonError(f"with {count} points: {error}")) from None
+        return replace(made, name=self.name, notes=self.notes)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points lie inside; those on the boundary do.
+
+        Args:
+            points: (p, 2).
+
+        Returns:
+            (p,).
+
+        >>> Polygon([[0, 0], [1, 0], [0, 1]]).contains([[0.2, 0.2], [0.5, 0.5], [0.6, 0.6]]).tolist()
+        [True, True, False]
+        """
+        points = as_points(points, 2)
+        portion = max(1, PAIRS // len(self.vertices))
+        parts = [self._contains(points[i : i + portion]) for i in range(0, len(points), portion)]
+        return np.concatenate([np.zeros(0, dtype=np.bool_), *parts])
+
+    def _contains(self, points: Floats) -> NDArray[np.bool_]:
+        start, end = self.vertices, self.vertices[self.edges[:, 1]]
+        inside = checks.crossings_right(start, end, points) % 2 == 1
+        within = ON_THE_EDGE * float(np.abs(self.vertices).max())
+        low, high = np.minimum(start, end) - within, np.maximum(start, end) + within
+        x, y = points[:, :1], points[:, 1:]
+        point, edge = np.nonzero((x >= low[:, 0]) & (x <= high[:, 0]) & (y >= low[:, 1]) & (y <= high[:, 1]))
+        side, to = end[edge] - start[edge], points[point] - start[edge]
+        off = np.abs(side[:, 0] * to[:, 1] - side[:, 1] * to[:, 0]) / self.lengths[edge]
+        inside[point[off <= within]] = True
+        return inside
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(2, 2) lowest and highest corner of the bounding box."""
+        return _frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    @property
+    def facets(self) -> Ints:
+        """The edges, as all shapes call the pieces of their boundaries."""
+        return self.edges
+
+    @cached_property
+    def edges(self) -> Ints:
+        """(n, 2) each vertex and the one that follows it, the interior on the left."""
+        return _frozen(np.stack([np.arange(len(self.vertices)), checks.successors_of(self.loops)], axis=1))
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """(n,) length of each edge."""
+        sides = self.vertices[self.edges[:, 1]] - self.vertices
+        return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
+
+    @cached_property
+    def area(self) -> float:
+        """Area enclosed, holes not counted."""
+        return float(sum(checks.signed_area(self.vertices[loop]) for loop in self.loops))
+
+    @cached_property
+    def perimeter(self) -> float:
+        """Length of all loops."""
+        return float(self.lengths.sum())
+
+    @cached_property
+    def wires(self) -> Ints:
+        """(h, 2) vertices joined by each wire; one wire fewer than loops."""
+        return _frozen(wires_between(self.vertices, self.loops))
+
+    @cached_property
+    def wire_lengths(self) -> Floats:
+        """(h,) length of each wire."""
+        sides = self.vertices[self.wires[:, 1]] - self.vertices[self.wires[:, 0]]
+        return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
+
+    def resistances(self) -> Floats:
+        """(n, n) effective resistances between vertices; edges and wires resist as much as they are long.
+
+        The resistance between i and j is (e_i - e_j)^T L^+ (e_i - e_j) with the polygon's Laplacian L: the
+        commute time distance squared, in closed form.
+        """
+        wires = np.column_stack([self.wires, self.wire_lengths])
+        return resistances_between(self.loops, self.lengths, wires)
+
+
+def _frozen(array: NDArray) -> NDArray:
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,56 @@
+"""A mesh from imperfect input: what can be mended is mended and noted, what cannot is an error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from numpy.typing import ArrayLike
+
+from idviewer.core.shapes.mesh import Mesh, MeshError
+from idviewer.core.validation.mesh_checks import examine
+from idviewer.core.validation.polygon_soup import Polygons
+
+
+def repair_mesh(
+    vertices: ArrayLike,
+    faces: ArrayLike | Sequence[Sequence[int]],
+    name: str = "",
+    component: int | None = None,
+) -> Mesh:
+    """A Mesh from vertices and faces that may need repairs.
+
+    Duplicated vertices are merged (also boundary vertices within a millionth of the bounding box's diagonal,
+    if that closes the surface), isolated ones dropped, polygons cut into triangles, duplicate and collapsed
+    faces left out, faces without area flipped away, faces turned so that all wind outward. Every repair is a
+    sentence in the mesh's notes.
+
+    Args:
+        vertices: (n, 3) points.
+        faces: (m, 3) vertex indices; also polygons, as (m, k) indices or as a sequence of index sequences.
+        name: of the mesh, and of the error.
+        component: which of several components to take, 1 for the largest.
+
+    Raises:
+        MeshError: what is wrong cannot be mended.
+
+    >>> soup = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [9, 9, 9]]
+    >>> repair_mesh(soup, [[1, 2, 0], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).notes
+    ('1 isolated vertex was dropped.', '1 face wound against its neighbours was turned.')
+    """
+    try:
+        polygons = Polygons.of(vertices, faces)
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"{name}: {error}" if name else str(error)) from error
+    return mended(polygons, name, name, component)
+
+
+def mended(polygons: Polygons, name: str, source: str, component: int | None) -> Mesh:
+    """The same from polygons; `source` is what an error names."""
+    walk = examine(polygons, component)
+    if walk.fatal:
+        raise MeshError.about(walk, source)
+    notes = tuple(finding.note for finding in walk.findings)
+    if any(finding.kind == "flat_faces" for finding in walk.findings):
+        # All other checks follow the repairs that could spoil them; flips come late, so all is checked again.
+        return Mesh(walk.vertices, walk.faces, name, notes)
+    return Mesh.of_examination(walk, name, notes)

@@ -1,0 +1,1 @@
+"""Slices: sections of shapes with planes, and their triangulation."""

@@ -1,0 +1,149 @@
+"""Sections of a body by a plane: exact outlines, and triangle meshes that sample their inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.shapes.face_boxes import heights
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.plane import Plane
+
+FOLLOWING = np.array([1, 2, 0])
+"""The corner that follows each corner of a face."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Where a plane cuts the surface: closed loops of points on mesh edges.
+
+    A value that is linear on each face is known exactly on the whole outline: at point i it is
+    (1 - t_i) f(a_i) + t_i f(b_i).
+
+    Attributes:
+        plane: the plane.
+        edges: (s, 2) vertex indices a, b of the mesh edge that each outline point lies on.
+        fractions: (s,) t, where on that edge.
+        flat: (s, 2) the points' coordinates in the plane's basis, about its origin.
+        loops: index arrays into the points, one closed loop each, the body on the left as seen
+            against the normal (outer loops counterclockwise, holes clockwise).
+    """
+
+    plane: Plane
+    edges: Ints
+    fractions: Floats
+    flat: Floats
+    loops: tuple[Ints, ...]
+
+    @property
+    def points(self) -> Floats:
+        """(s, 3) positions of the outline points."""
+        return self.lift(self.flat)
+
+    @property
+    def area(self) -> float:
+        """Area of the section, in the mesh's unit squared."""
+        return float(sum(_signed_area(self.flat[loop]) for loop in self.loops))
+
+    @property
+    def segments(self) -> tuple[Ints, Ints]:
+        """The points at which the sides of all loops start, and those at which they end."""
+        if not self.loops:
+            return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+        closed = [(loop, loop[1:], loop[:1]) for loop in self.loops]
+        return np.concatenate(self.loops), np.concatenate([part for loop in closed for part in loop[1:]])
+
+    def lift(self, flat: ArrayLike) -> Floats:
+        """(p, 2) coordinates in the plane's basis to (p, 3) positions."""
+        return np.array(self.plane.origin) + np.asarray(flat, dtype=np.float64) @ self.plane.basis
+
+    def interpolate(self, values: Floats) -> Floats:
+        """Values (n, k) given at the mesh's vertices, on the outline: (s, k), exact."""
+        share = self.fractions[:, None]
+        return (1.0 - share) * values[self.edges[:, 0]] + share * values[self.edges[:, 1]]
+
+
+def section(mesh: Mesh, plane: Plane) -> Section:
+    """The section of a closed mesh by a plane.
+
+    A vertex exactly on the plane counts as lying below it, so the outline always closes.
+
+    Args:
+        mesh: n vertices.
+        plane: where to cut.
+
+    Returns:
+        The outline; it has no loops where the plane misses the body.
+
+    >>> from idviewer.core import Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> round(section(tetrahedron, Plane((0, 0, 0.5), (0, 0, 1))).area, 12)
+    0.125
+    """
+    faces, above = mesh.patches.crossed(plane)
+    tops, bottoms = _passage(above)
+    rising_tails, rising_heads = _passage(~above)
+    # Each face leads from the edge where its boundary falls to the one where it rises; the same edge,
+    # run through backwards, is the next face's first.
+    corners, n = faces.ravel(), len(mesh.vertices)
+    keys = corners[bottoms] * n + corners[tops]
+    order = np.argsort(keys)
+    follower = np.searchsorted(keys[order], (corners[rising_tails] * n + corners[rising_heads])[order])
+    edges = corners[np.stack([bottoms[order], tops[order]], axis=1)]
+    fractions, flat = _where_crossed(mesh.vertices[edges], plane)
+    return Section(plane, edges, fractions, flat, _loops(follower, flat))
+
+
+def _where_crossed(ends: Floats, plane: Plane) -> tuple[Floats, Floats]:
+    """Where edges with ends (s, 2, 3) below and above a plane cross it: fractions and flat coordinates."""
+    low, high = heights(np.moveaxis(ends, 2, 0), plane).T
+    fractions = low / (low - high)
+    share = fractions[:, None]
+    starts, stops = np.moveaxis(ends - np.array(plane.origin), 1, 0)
+    return fractions, ((1.0 - share) * starts + share * stops) @ plane.basis.T
+
+
+def _passage(above: NDArray[np.bool_]) -> tuple[Ints, Ints]:
+    """Where each face's boundary goes from above to below: places of the edge's two ends among all corners.
+
+    Args:
+        above: (m, 3), of the faces' corners.
+    """
+    corner = np.argmax(above > above[:, FOLLOWING], axis=1)
+    first = np.arange(0, above.size, 3)
+    return first + corner, first + FOLLOWING[corner]
+
+
+def _loops(follower: Ints, flat: Floats) -> tuple[Ints, ...]:
+    """The closed loops, without points equal to the one before (cuts through a vertex make them)."""
+    moves = np.empty(len(follower), dtype=np.bool_)
+    moves[follower] = (flat[follower] != flat).any(axis=1)
+    loops = cycles_of(follower)
+    if not moves.all():
+        loops = [loop[moves[loop]] for loop in loops]
+    return tuple(loop for loop in loops if len(loop) >= 3)
+
+
+def cycles_of(follower: Ints) -> list[Ints]:
+    """The cycles of a permutation."""
+    successor = follower.tolist()
+    cycles = []
+    for first in range(len(successor)):
+        at, cycle = first, []
+        while (following := successor[at]) >= 0:
+            cycle.append(at)
+            successor[at] = -1
+            at = following
+        if cycle:
+            cycles.append(np.array(cycle, dtype=np.int64))
+    return cycles
+
+
+def _signed_area(polygon: Floats) -> float:
+    x, y = (polygon - polygon[0]).T
+    # The sides from and to the first point, now the origin, add nothing.
+    return 0.5 * float(x[:-1] @ y[1:] - y[:-1] @ x[1:])

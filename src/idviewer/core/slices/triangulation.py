@@ -1,0 +1,183 @@
+"""Triangle meshes of a section: square cells inside, and a band that ends exactly at the outline."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import manifold3d
+import numpy as np
+from numpy.typing import NDArray
+
+from idviewer.core._kernels.geometry.ears import cut_ears
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.slices.lattice import Lattice
+from idviewer.core.slices.mesh_sections import Section
+
+Ints32 = NDArray[np.int32]
+
+STEPS = 16
+"""The outline is at most so many lattice constants long for each sample asked for."""
+
+LARGEST_LATTICE = 2**24
+"""Cells from one side of a section to the other, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class SliceMesh:
+    """A section cut into triangles.
+
+    The outline's points come first, then the nodes of a square lattice. Halving the spacing adds nodes
+    and removes none, so samples of a coarse mesh serve the finer ones.
+
+    Attributes:
+        section: what was cut.
+        spacing: distance between neighbouring nodes.
+        nodes: (q, 2) integer lattice coordinates; a node lies at nodes * spacing in the plane's basis.
+        triangles: (t, 3) indices, counterclockwise as seen against the plane's normal.
+    """
+
+    section: Section
+    spacing: float
+    nodes: Ints
+    triangles: NDArray[np.int32]
+
+    @property
+    def points(self) -> Floats:
+        """(s + q, 3) positions: the outline, then the nodes."""
+        return self.section.lift(np.concatenate([self.section.flat, self.nodes * self.spacing]))
+
+    @property
+    def node_points(self) -> Floats:
+        """(q, 3) positions of the nodes alone."""
+        return self.section.lift(self.nodes * self.spacing)
+
+
+def slice_mesh(section: Section, spacing: float) -> SliceMesh:
+    """Triangulate a section with interior nodes on a lattice of the given spacing.
+
+    Args:
+        section: the outline to fill.
+        spacing: lattice constant, in the mesh's unit.
+
+    >>> from idviewer.core import Mesh, Plane, section
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> mesh = slice_mesh(section(tetrahedron, Plane((0, 0, 0.5), (0, 0, 1))), 0.05)
+    >>> corners = mesh.points[mesh.triangles]
+    >>> sides = corners[:, 1:] - corners[:, :1]
+    >>> round(float(np.cross(sides[:, 0], sides[:, 1])[:, 2].sum()) / 2, 12)
+    0.125
+    """
+    if not section.loops:
+        return SliceMesh(section, spacing, np.empty((0, 2), dtype=np.int64), np.empty((0, 3), dtype=np.int32))
+    lattice = Lattice.inside(section, spacing)
+    stairs = [stair[::-1] for stair in lattice.staircases()]
+    band = _fill(section, stairs, np.multiply(lattice.nodes, spacing, dtype=np.float64))
+    triangles = np.concatenate([band, lattice.triangles() + np.int32(len(section.flat))])
+    return SliceMesh(section, spacing, lattice.nodes, triangles)
+
+
+def spacing_for(section: Section, samples: int) -> float:
+    """The lattice constant that puts about so many nodes into the section; fewer into slivers and specks."""
+    if not section.loops:
+        return 0.0
+    starts, ends = section.segments
+    length = float(np.abs(section.flat[ends] - section.flat[starts]).sum())
+    extent = float((section.flat.max(axis=0) - section.flat.min(axis=0)).max())
+    return max(
+        math.sqrt(max(section.area, 0.0) / samples), length / (STEPS * samples), extent / LARGEST_LATTICE
+    )
+
+
+def refined(flat: Floats, triangles: NDArray[np.int32]) -> tuple[Ints, NDArray[np.int32]]:
+    """Cut each triangle into four.
+
+    Args:
+        flat: (p, d) points, of which only the number matters.
+        triangles: (t, 3).
+
+    Returns:
+        (e, 2) the two ends of each edge, whose middle becomes point p + e; and (4 t, 3) triangles.
+
+    >>> ends, triangles = refined(np.zeros((3, 2)), np.array([[0, 1, 2]], dtype=np.int32))
+    >>> ends.tolist(), len(triangles)
+    ([[0, 1], [0, 2], [1, 2]], 4)
+    """
+    ends, sides = edges_of(len(flat), triangles)
+    return ends, split(triangles, sides + len(flat))
+
+
+def edges_of(count: int, triangles: Ints32) -> tuple[Ints, Ints]:
+    """The edges of triangles (t, 3) between so many points.
+
+    Returns:
+        (e, 2) the two ends of each edge, the smaller first, in ascending order; and (t, 3) the edges of each
+        triangle, the one from its first corner to its second first.
+    """
+    corners = np.ascontiguousarray(triangles.T, dtype=np.int64)
+    tails, heads = corners.ravel(), corners[[1, 2, 0]].ravel()
+    bits = len(tails).bit_length()
+    # Sorted together with their places: one plain sort, several times faster than sorting the places.
+    keys = np.minimum(tails, heads) * count + np.maximum(tails, heads)
+    keys = np.sort(keys << bits | np.arange(len(keys)))
+    places, keys = keys & ((1 << bits) - 1), keys >> bits
+    first = np.diff(keys, prepend=-1) != 0
+    sides = np.empty(len(tails), dtype=np.int64)
+    sides[places] = np.cumsum(first) - 1
+    return np.stack(np.divmod(keys[first], max(count, 1)), axis=1), sides.reshape(3, -1).T
+
+
+def split(triangles: Ints32, middles: Ints) -> Ints32:
+    """Cut triangles at middles of some of their edges.
+
+    Args:
+        triangles: (t, 3).
+        middles: (t, 3) the point in the middle of the edge from each corner to the next, or -1 where that
+            edge stays whole.
+
+    Returns:
+        (s, 3) triangles, wound as those they are parts of.
+
+    >>> split(np.array([[0, 1, 2]], dtype=np.int32), np.array([[-1, 3, -1]])).tolist()
+    [[1, 3, 0], [3, 2, 0]]
+    """
+    marked = middles >= 0
+    if marked.all():
+        points = np.concatenate([triangles, middles.astype(np.int32)], axis=1)
+        return points[:, _PATTERNS[3]].reshape(-1, 3)
+    number = marked.sum(axis=1)
+    # Turned so that the whole edges come last.
+    first = np.where(number == 2, np.argmin(marked, axis=1) + 1, np.argmax(marked, axis=1))
+    turned = (first[:, None] + np.arange(3)) % 3
+    corners = np.take_along_axis(triangles, turned, axis=1)
+    cuts = np.take_along_axis(middles, turned, axis=1).astype(np.int32)
+    parts = [triangles[number == 0]]
+    for count, pattern in _PATTERNS.items():
+        chosen = number == count
+        points = np.concatenate([corners[chosen], cuts[chosen]], axis=1)
+        parts.extend(points[:, three] for three in pattern)
+    return np.concatenate(parts)
+
+
+_PATTERNS = {
+    1: [[0, 3, 2], [3, 1, 2]],
+    2: [[3, 1, 4], [0, 3, 4], [0, 4, 2]],
+    3: [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+}
+"""Parts of a triangle with corners 0, 1, 2 whose first so many edges are cut, in points 3, 4 and 5."""
+
+
+def _fill(section: Section, stairs: list[Ints], nodes: Floats) -> Ints32:
+    """Triangulate the band between the outline and staircases (clockwise) of (q, 2) nodes."""
+    loops = [*section.loops, *(stair + len(section.flat) for stair in stairs)]
+    flat = np.concatenate([section.flat, nodes])
+    band, first = np.concatenate(loops), np.cumsum([0, *map(len, loops)])
+    # About the region's middle and in its own unit, so that rounding and tolerances mean the same anywhere.
+    lowest, highest = section.flat.min(axis=0), section.flat.max(axis=0)
+    scaled = (flat[band] - 0.5 * (lowest + highest)) / float((highest - lowest).max())
+    triangles = cut_ears(scaled, first)
+    if triangles is None:
+        # Loops that cross themselves: this one copes with anything, and takes three times as long.
+        triangles = np.asarray(manifold3d.triangulate(np.split(scaled, first[1:-1]))).reshape(-1, 3)
+    return band.astype(np.int32)[triangles]

@@ -1,0 +1,1 @@
+"""Spectrum: Laplacians of boundaries and their eigenpairs."""

@@ -1,0 +1,103 @@
+"""How much memory a shape needs, and a refusal before the work where the machine has less."""
+
+from __future__ import annotations
+
+import math
+import os
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+from idviewer.core.shapes.mesh import MeshError
+from idviewer.core.shapes.shape import Shape
+
+OF_A_VERTEX = 10.6e3
+"""Bytes for each vertex of a compact shape, which has 170 to 180 modes; others need less."""
+
+OF_A_SMALL_ONE = 19.8e3
+SMALL = 117_000
+"""On shapes of up to so many vertices, slices have two trees instead of one, and need so much."""
+
+LIMITS = (
+    Path("/sys/fs/cgroup/memory.max"),
+    Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+)
+"""Where Linux tells what a container may have."""
+
+
+def needed_bytes(vertices: int) -> float:
+    """About how many bytes it takes to open a mesh of so many vertices, at most at one time.
+
+    Measured from 27,000 to 540,000 vertices, from reading to slices; see docs/eigenpairs.md.
+
+    >>> round(needed_bytes(500_000) / 1e9, 1)
+    5.3
+    """
+    return max(OF_A_VERTEX * vertices, OF_A_SMALL_ONE * min(vertices, SMALL))
+
+
+def vertices_for(room: float) -> int:
+    """The largest number of vertices, to two digits, that so many bytes suffice for.
+
+    >>> needed_bytes(vertices_for(2e9)) < 2e9
+    True
+    """
+    low, high = 1.0, max(room, 2.0)
+    while high / low > 1.001:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if needed_bytes(round(middle)) <= room else (low, middle)
+    step = 10 ** max(0, math.floor(math.log10(low)) - 1)
+    return int(low // step * step)
+
+
+@cache
+def room_bytes() -> float:
+    """The memory of this machine, or what a container may have of it; infinite where it cannot be told."""
+    found = [math.inf]
+    with suppress(AttributeError, OSError, ValueError):
+        found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    for path in LIMITS:
+        try:
+            found.append(int(path.read_text()))
+        except (OSError, ValueError):  # "max", or no such thing
+            continue
+    return float(min(size for size in found if size > 0))
+
+
+def check_room(shape: Shape, room: float | None = None) -> None:
+    """Refuses a mesh that does not fit into memory with its eigenpairs and samples, in an instant.
+
+    Args:
+        shape: polygons are let through.
+        room: bytes there are; this machine's by default.
+
+    Raises:
+        MeshError: it does not fit; the line says what it needs, what there is, and what would fit.
+
+    >>> from idviewer.core import MeshError, read_mesh, sample_path
+    >>> try:
+    ...     check_room(read_mesh(sample_path("hand_2k")), room=9e6)
+    ... except MeshError as error:
+    ...     print(str(error)[:54])
+    hand_2k has 2,500 vertices and would need about 50 MB;
+    """
+    count, room = len(shape.vertices), room_bytes() if room is None else room
+    if shape.dimension == 2 or needed_bytes(count) <= room:
+        return
+    need = size(needed_bytes(count))
+    raise MeshError(
+        f"{shape.name or 'the mesh'} has {count:,} vertices and would need about {need}; "
+        f"this machine has {size(room)}: simplify it to about {vertices_for(room):,} vertices"
+    )
+
+
+def size(count: float) -> str:
+    """Bytes in words, two digits.
+
+    >>> size(1.93e11), size(4.21e9), size(17e6)
+    ('190 GB', '4.2 GB', '17 MB')
+    """
+    power = min(3, max(1, math.floor(math.log10(max(count, 1.0) * 1.005) / 3)))
+    rounded = float(f"{count / 1e3**power:.2g}")
+    name = ("KB", "MB", "GB")[power - 1]
+    return f"{rounded:.0f} {name}" if rounded >= 10 else f"{rounded:g} {name}"

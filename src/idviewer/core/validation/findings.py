@@ -1,0 +1,184 @@
+"""One thing that is wrong with a mesh, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from idviewer.core.arrays import Floats
+
+Point = tuple[float, float, float]
+
+
+class Kind(NamedTuple):
+    """The words for one kind of finding; `repair` is empty where there is none."""
+
+    one: str
+    many: str
+    repair: str = ""
+    remedy: str = ""
+
+
+_AGAIN = "export it again from the program that made it"
+_CLEAN = "clean it in a mesh editor such as MeshLab or Blender"
+_CLOSE = "close the holes in a mesh editor such as MeshLab or Blender"
+
+KINDS = {
+    "no_faces": Kind("", "", remedy="export the surface as triangles"),
+    "index_out_of_range": Kind(
+        "face that refers to a missing vertex", "faces that refer to missing vertices", remedy=_AGAIN
+    ),
+    "few_corners": Kind(
+        "face with fewer than three corners", "faces with fewer than three corners", repair="left out"
+    ),
+    "isolated_vertices": Kind("isolated vertex", "isolated vertices", repair="dropped"),
+    "not_finite": Kind(
+        "vertex whose coordinates are not finite numbers",
+        "vertices whose coordinates are not finite numbers",
+        remedy=_AGAIN,
+    ),
+    "extent": Kind("", "", remedy="scale it to another unit"),
+    "polygons": Kind(
+        "polygon with more than three corners", "polygons with more than three corners", repair="triangulated"
+    ),
+    "repeated_vertices": Kind("face that repeats a vertex", "faces that repeat a vertex", repair="left out"),
+    "duplicated_vertices": Kind("duplicated vertex", "duplicated vertices", repair="merged"),
+    "touching_vertices": Kind(
+        "vertex that coincides with another", "vertices that coincide with others", repair="kept apart"
+    ),
+    "duplicate_faces": Kind("duplicate face", "duplicate faces", repair="left out"),
+    "nearby_vertices": Kind(
+        "boundary vertex",
+        "boundary vertices",
+        repair="merged with a neighbour within a millionth of the size",
+    ),
+    "several_components": Kind("", "components"),
+    "no_such_component": Kind("", ""),
+    "chosen_component": Kind("", "", repair="taken"),
+    "non_manifold_edges": Kind(
+        "edge with more than two faces", "edges with more than two faces", remedy=_CLEAN
+    ),
+    "boundary_edges": Kind("boundary edge", "boundary edges", remedy=_CLOSE),
+    "not_orientable": Kind("", "", remedy="only a closed, two-sided surface has an inside"),
+    "inconsistent_winding": Kind(
+        "face wound against its neighbours", "faces wound against their neighbours", repair="turned"
+    ),
+    "flat_faces": Kind(
+        "face without area",
+        "faces without area",
+        repair="removed by flipping or collapsing edges, which keeps the shape",
+        remedy=_CLEAN,
+    ),
+    "no_volume": Kind("", "", remedy="a solid body is needed; give the sheet a thickness"),
+    "inside_out": Kind("", "", repair="turned"),
+    "pinched_vertices": Kind(
+        "pinched vertex, where the surface touches itself,",
+        "pinched vertices, where the surface touches itself,",
+        repair="kept",
+    ),
+    "uneven_triangles": Kind("", "", repair="bridged by an intrinsic Delaunay triangulation"),
+}
+
+KEPT = ("touching_vertices", "pinched_vertices", "uneven_triangles")
+"""Kinds that a mesh may have: they are reported, and nothing is done about them."""
+
+CHOICES = ("several_components", "no_such_component")
+"""Kinds that choosing one of the components does away with."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a mesh.
+
+    Attributes:
+        kind: one of a fixed set of names, for programs.
+        count: how many there are.
+        message: what, how much and where, on one line.
+        where: one of the places; None where the finding has none.
+        repair: what is done about it ("merged"); None if nothing can be: the mesh is unusable.
+        remedy: what the user can do about a fatal finding.
+        subject: the message without the place.
+    """
+
+    kind: str
+    count: int
+    message: str
+    where: Point | None = None
+    repair: str | None = None
+    remedy: str = ""
+    subject: str = ""
+
+    @property
+    def fatal(self) -> bool:
+        """Whether the mesh cannot be used because of it."""
+        return self.repair is None
+
+    @property
+    def kept(self) -> bool:
+        """Whether a mesh may stay so."""
+        return self.kind in KEPT
+
+    @property
+    def note(self) -> str:
+        """The repair as a sentence."""
+        sentence = f"{self.subject} {'was' if self.count == 1 else 'were'} {self.repair}."
+        return sentence[0].upper() + sentence[1:]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        severity = "fatal" if self.fatal else "kept" if self.kept else "repaired"
+        return {
+            "kind": self.kind,
+            "severity": severity,
+            "count": self.count,
+            "message": self.message,
+            "where": None if self.where is None else list(self.where),
+            "repair": self.repair,
+            "remedy": self.remedy or None,
+        }
+
+
+def counted(kind: str, count: int, detail: str = "", place: tuple[Floats, float] | None = None) -> Finding:
+    """A finding of things that can be counted; `place` is one of their points and the size of the mesh."""
+    words = KINDS[kind]
+    subject = f"{count:,} {words.one if count == 1 else words.many}"
+    return stated(kind, subject, detail, count, place)
+
+
+def stated(
+    kind: str, subject: str, detail: str = "", count: int = 1, place: tuple[Floats, float] | None = None
+) -> Finding:
+    """A finding in words of its own."""
+    words = KINDS[kind]
+    message = subject.rstrip(",") + detail
+    where = None
+    if place is not None:
+        message += f", near {spot(*place)}"
+        where = tuple(place[0].tolist())
+    return Finding(kind, count, message, where, words.repair or None, words.remedy, subject)
+
+
+def several(sizes: tuple[int, ...]) -> Finding:
+    """The finding that names several components, the largest first."""
+    named = ", ".join(f"{size:,}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
+    finding = counted("several_components", len(sizes), f" with {named} faces")
+    remedy = f"choose one by its number, component=1 (the largest) to component={len(sizes)}"
+    return Finding(**{**vars(finding), "remedy": remedy})
+
+
+def spot(point: Floats, size: float) -> str:
+    """A point in words, with as many digits as a mesh of the given size needs.
+
+    >>> spot(np.array([1e6 + 0.25, 0.0, 1 / 3]), 1.0)
+    '(1000000.25, 0, 0.3333)'
+    """
+    largest = float(np.abs(point).max())
+    if largest == 0.0:
+        return "(0, 0, 0)"
+    digits = min(17, 4 + int(np.ceil(np.log10(largest / size)))) if 0 < size < largest else 4
+    # Beside a large coordinate, a small one needs no more decimals: 1e-17 is told as 0.
+    step = 10.0 ** (int(np.floor(np.log10(largest))) + 1 - digits)
+    rounded = [round(x / step) * step for x in point.tolist()]
+    return "(" + ", ".join(f"{x:.{digits}g}" for x in rounded) + ")"

@@ -1,0 +1,199 @@
+"""What makes points a polygon: checks that say what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.errors import ShapeError
+from idviewer.core.validation.polygon_crossings import crossing, turns
+
+REPEATED = 1e-12
+"""Neighbours nearer than this share of the bounding box's diagonal are one vertex."""
+
+
+class PolygonError(ShapeError):
+    """A polygon that cannot be read or used; one line says what is wrong, where, and what to do."""
+
+
+def points_of(vertices: ArrayLike) -> Floats:
+    """The vertices as a new array. Raises PolygonError unless it is (n, 2) and finite."""
+    try:
+        points = np.array(vertices, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise PolygonError("vertices must be numbers in the shape (n, 2)") from None
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise PolygonError(f"vertices must have the shape (n, 2), not {points.shape}")
+    if not np.isfinite(points).all():
+        first = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
+        raise PolygonError(f"{told(points, first)} is not finite; give it two ordinary numbers")
+    return np.ascontiguousarray(points)
+
+
+def loops_of(loops: Sequence[ArrayLike] | None, count: int) -> tuple[Ints, ...]:
+    """The loops as arrays. Raises PolygonError unless each has three vertices and each vertex one loop."""
+    if loops is None or len(loops) == 0:
+        loops = [np.arange(count)]
+    try:
+        made = tuple(np.array(loop) for loop in loops)
+    except (TypeError, ValueError):
+        made = ()
+    if not made or any(loop.ndim != 1 or (loop.size and loop.dtype.kind not in "iu") for loop in made):
+        raise PolygonError("loops must be lists of vertex numbers")
+    for number, loop in enumerate(made):
+        if len(loop) < 3:
+            which = f"loop {number}" if len(made) > 1 else "a polygon"
+            raise PolygonError(
+                f"{which} needs three vertices or more, and there {_are(len(loop))}; add vertices"
+            )
+    members = np.concatenate(made).astype(np.int64)
+    if members.min() < 0 or members.max() >= count:
+        worst = int(members.max() if members.max() >= count else members.min())
+        raise PolygonError(f"a loop names vertex {worst}, and the vertices are 0 to {count - 1}")
+    uses = np.bincount(members, minlength=count)
+    if (uses != 1).any():
+        vertex = int(np.flatnonzero(uses != 1)[0])
+        wrong = "no loop" if uses[vertex] == 0 else f"{uses[vertex]} places of the loops"
+        raise PolygonError(f"vertex {vertex} is in {wrong}; every vertex must be in one")
+    return tuple(np.ascontiguousarray(loop, dtype=np.int64) for loop in made)
+
+
+def scaled(vertices: Floats) -> Floats:
+    """The vertices times a power of two, so that their products neither underflow nor overflow; exact."""
+    return np.ldexp(vertices, -int(np.frexp(np.abs(vertices).max())[1]))
+
+
+def oriented(vertices: Floats, loops: tuple[Ints, ...]) -> tuple[Ints, ...]:
+    """The outer loop first and counter-clockwise, then the holes, clockwise; each keeps its first vertex.
+
+    Raises:
+        PolygonError: a loop encloses no area.
+    """
+    areas = [signed_area(vertices[loop]) for loop in loops]
+    span = float(np.ptp(vertices, axis=0).max())
+    for loop, area in zip(loops, areas, strict=True):
+        if abs(area) <= 1e-15 * span**2 * len(loop):
+            raise PolygonError(
+                f"the loop from {told(vertices, int(loop[0]))} on encloses no area; move its vertices apart"
+            )
+    outer = int(np.argmax(np.abs(areas)))
+    order = [outer, *(number for number in range(len(loops)) if number != outer)]
+    turned = (loops[n] if (areas[n] > 0.0) == (n == outer) else _reversed(loops[n]) for n in order)
+    return tuple(turned)
+
+
+def signed_area(points: Floats) -> float:
+    """Area enclosed by a loop (p, 2), positive if it runs counter-clockwise."""
+    x, y = (points - points[0]).T
+    return 0.5 * float(x[:-1] @ y[1:] - y[:-1] @ x[1:])
+
+
+def successors_of(loops: tuple[Ints, ...]) -> Ints:
+    """(n,) the vertex that follows each vertex."""
+    following = np.empty(sum(map(len, loops)), dtype=np.int64)
+    for loop in loops:
+        following[loop[:-1]], following[loop[-1]] = loop[1:], loop[0]
+    return following
+
+
+def refuse_repeated(vertices: Floats, successors: Ints) -> None:
+    """Raise PolygonError if two vertices are one: neighbours nearer than rounding, or any in one place."""
+    sides = vertices[successors] - vertices
+    smallest = REPEATED * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    short = np.flatnonzero(np.hypot(sides[:, 0], sides[:, 1]) <= smallest)
+    if len(short):
+        i = int(short[0])
+        raise PolygonError(
+            f"{told(vertices, i)} is repeated as vertex {int(successors[i])}; remove one of them"
+        )
+    order = np.lexsort(vertices.T)
+    same = np.flatnonzero((vertices[order[1:]] == vertices[order[:-1]]).all(axis=1))
+    if len(same):
+        first, second = sorted((int(order[same[0]]), int(order[same[0] + 1])))
+        raise PolygonError(
+            f"{told(vertices, first)} is repeated as vertex {second}, so the outline touches itself; "
+            "move one of them away"
+        )
+
+
+def refuse_crossing(vertices: Floats, successors: Ints, moved: Ints | None = None) -> None:
+    """Raise PolygonError if the outline turns back on itself, or edges cross or touch.
+
+    Args:
+        vertices: (n, 2).
+        successors: (n,) vertex that follows each.
+        moved: edges to look at; all by default.
+    """
+    exact = scaled(vertices)
+    before = np.arange(len(exact)) if moved is None else moved
+    at, after = successors[before], successors[successors[before]]
+    back = np.einsum("ij,ij->i", exact[before] - exact[at], exact[after] - exact[at]) > 0.0
+    before, at, after = before[back], at[back], after[back]
+    folded = np.flatnonzero(turns(exact[before], exact[at], exact[after]) == 0)
+    if len(folded):
+        where = told(vertices, int(at[folded[0]]))
+        raise PolygonError(f"the outline turns back on itself at {where}; move it")
+    found = crossing(exact, successors, moved)
+    if found is not None:
+        one, other = (_edge(vertices, i, int(successors[i])) for i in found)
+        raise PolygonError(f"{one} crosses or touches {other}; move one of their vertices away")
+
+
+def refuse_nesting(vertices: Floats, loops: tuple[Ints, ...]) -> None:
+    """Raise PolygonError unless each hole lies in the outer loop and in no other; no edges may cross."""
+    for number, loop in enumerate(loops[1:], 1):
+        first = vertices[loop[:1]]
+        where = told(vertices, int(loop[0]))
+        if not winds_around(vertices[loops[0]], first)[0]:
+            raise PolygonError(
+                f"the hole from {where} on lies outside the outer loop, "
+                f"that from {told(vertices, int(loops[0][0]))} on; leave out one of the two"
+            )
+        for other, around in enumerate(loops[1:], 1):
+            if other != number and winds_around(vertices[around], first)[0]:
+                raise PolygonError(
+                    f"the hole from {where} on lies inside another, "
+                    f"that from {told(vertices, int(around[0]))} on; leave out one of the two"
+                )
+
+
+def winds_around(loop: Floats, points: Floats) -> np.ndarray:
+    """(p,) whether points lie inside a closed loop (k, 2), by the even-odd rule."""
+    start, end = loop, np.roll(loop, -1, axis=0)
+    return crossings_right(start, end, points) % 2 == 1
+
+
+def crossings_right(start: Floats, end: Floats, points: Floats) -> Ints:
+    """(p,) how many edges the ray from each point to the right crosses."""
+    below, at = start[:, 1] <= points[:, 1, None], end[:, 1] <= points[:, 1, None]
+    point, edge = np.nonzero(below != at)
+    a, b, (x, y) = start[edge], end[edge], points[point].T
+    across = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (x - a[:, 0]) * (b[:, 1] - a[:, 1])
+    crossed = (across > 0.0) == below[point, edge]
+    return np.bincount(point[crossed], minlength=len(points))
+
+
+def told(vertices: Floats, vertex: int) -> str:
+    """A vertex in words.
+
+    >>> told(np.array([[0.5, 2.0]]), 0)
+    'vertex 0 (0.5, 2)'
+    """
+    x, y = vertices[vertex]
+    return f"vertex {vertex} ({x:.6g}, {y:.6g})"
+
+
+def _edge(vertices: Floats, start: int, end: int) -> str:
+    (ax, ay), (bx, by) = vertices[start], vertices[end]
+    return f"edge {start}-{end} from ({ax:.6g}, {ay:.6g}) to ({bx:.6g}, {by:.6g})"
+
+
+def _are(count: int) -> str:
+    return {0: "are none", 1: "is one"}.get(count, f"are {count}")
+
+
+def _reversed(loop: Ints) -> Ints:
+    return np.concatenate([loop[:1], loop[:0:-1]])

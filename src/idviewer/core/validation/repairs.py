@@ -1,0 +1,155 @@
+"""Repairs of triangle soups as functions of plain arrays. Every tolerance is relative to the mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from idviewer.core.arrays import Bools, Floats, Ints
+from idviewer.core.validation.topology import Topology, first_of_each, linked
+
+SLIVER = 1e-12
+"""A face whose height is below this share of its longest side has no area, a side that short no length."""
+
+CLOSE = 1e-6
+"""Boundary vertices within this share of the bounding box's diagonal are taken for the same vertex."""
+
+
+def same_points(vertices: Floats) -> Ints:
+    """(n,) for each vertex the first one with exactly the same coordinates."""
+    order = np.lexsort(vertices.T)
+    ranked = vertices[order]
+    fresh = np.ones(len(vertices), bool)
+    fresh[1:] = np.any(ranked[1:] != ranked[:-1], axis=1)
+    groups = np.cumsum(fresh) - 1
+    first = np.minimum.reduceat(order, np.flatnonzero(fresh))
+    result = np.empty(len(vertices), np.int64)
+    result[order] = first[groups]
+    return result
+
+
+def close_points(vertices: Floats, chosen: Ints, distance: float) -> Ints:
+    """(n,) for each vertex the first of the chosen ones joined to it by steps of at most `distance`."""
+    pairs = cKDTree(vertices[chosen]).query_pairs(distance, output_type="ndarray")
+    number, labels = linked(len(chosen), pairs[:, 0], pairs[:, 1])
+    result = np.arange(len(vertices))
+    result[chosen] = chosen[first_of_each(labels, number)][labels]
+    return result
+
+
+def repeating(faces: Ints) -> Bools:
+    """(m,) which faces have the same vertex twice."""
+    a, b, c = faces.T
+    return (a == b) | (b == c) | (c == a)
+
+
+def later_copies(faces: Ints, either_winding: bool) -> Bools:
+    """(m,) which faces have the vertices of an earlier one, with the same winding or with either."""
+    turns = np.argmin(faces, axis=1)[:, None] + np.arange(3)
+    keys = np.take_along_axis(faces, turns % 3, axis=1)
+    if either_winding:
+        keys = np.sort(keys, axis=1)
+    order = np.lexsort(keys.T)
+    same = np.all(keys[order][1:] == keys[order][:-1], axis=1)
+    copies = np.zeros(len(faces), bool)
+    copies[order[1:][same]] = True  # lexsort is stable: the first of equals is the earliest
+    return copies
+
+
+def compacted(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """Without the vertices that no face uses; the order stays."""
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    if used.all():
+        return vertices, faces
+    return vertices[used], (np.cumsum(used) - 1)[faces]
+
+
+def side_vectors(vertices: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]:
+    """(m, 3) vectors along the sides opposite to the first, second and third corner."""
+    a, b, c = (np.ascontiguousarray(vertices[faces[:, corner]]) for corner in range(3))
+    return c - b, a - c, b - a
+
+
+def flat_faces(vertices: Floats, faces: Ints) -> Bools:
+    """(m,) which faces have no area."""
+    sides = side_vectors(vertices, faces)
+    longest = np.maximum.reduce([np.einsum("ij,ij->i", side, side) for side in sides])
+    normals = np.cross(sides[1], sides[2])
+    # Twice the area is height times longest side; squares are compared as a ratio, so that nothing
+    # underflows.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.sqrt(np.einsum("ij,ij->i", normals, normals)) / longest
+    return ~(ratio > SLIVER)
+
+
+def without_short_edges(vertices: Floats, faces: Ints) -> Ints:
+    """(n,) for each vertex the first one joined to it by sides without length of faces without area."""
+    flat = faces[flat_faces(vertices, faces)]
+    lengths = np.column_stack([np.linalg.norm(side, axis=1) for side in side_vectors(vertices, flat)])
+    row, corner = np.nonzero(lengths <= SLIVER * lengths.max(axis=1, keepdims=True))
+    a, b = flat[row, (corner + 1) % 3], flat[row, (corner + 2) % 3]
+    number, labels = linked(len(vertices), a, b)
+    return first_of_each(labels, number)[labels]
+
+
+def flipped(vertices: Floats, faces: Ints) -> Ints:
+    """Faces of a closed surface, those without area removed by flips of the side facing the obtuse corner.
+
+    The corner lies on that side, so the flip keeps the shape. Faces that cannot be removed so stay as they
+    are.
+    """
+    faces = faces.copy()
+    across = {pair: index // 3 for index, pair in enumerate(_half_edges(faces))}
+    waiting = np.flatnonzero(flat_faces(vertices, faces)).tolist()
+    budget = 10 * len(waiting) + 100
+    while waiting and budget:
+        budget -= 1
+        face = waiting.pop()
+        if not flat_faces(vertices, faces[face : face + 1])[0]:
+            continue
+        a, b, c = _longest_side_first(vertices, faces[face])
+        other = across[b, a]
+        d = int(faces[other].sum()) - a - b
+        if d == c or (c, d) in across or (d, c) in across:
+            continue
+        del across[a, b], across[b, a]
+        for index, corners in ((face, (a, d, c)), (other, (d, b, c))):
+            faces[index] = corners
+            across.update(dict.fromkeys(_half_edges(faces[index : index + 1]), index))
+            waiting.insert(0, index)  # a neighbour may have become flat; it is looked at after the others
+    return faces
+
+
+def _half_edges(faces: Ints) -> list[tuple[int, int]]:
+    return list(zip(faces.ravel().tolist(), faces[:, [1, 2, 0]].ravel().tolist(), strict=True))
+
+
+def _longest_side_first(vertices: Floats, face: Ints) -> tuple[int, int, int]:
+    """The face's corners, turned so that its longest side comes first."""
+    lengths = np.linalg.norm(vertices[np.roll(face, -1)] - vertices[face], axis=1)
+    a, b, c = np.roll(face, -int(np.argmax(lengths))).tolist()
+    return a, b, c
+
+
+def merged(vertices: Floats, faces: Ints, first: Ints) -> tuple[Floats, Ints, int]:
+    """Each vertex replaced by its first: what is left of vertices and faces, and how many vertices went."""
+    gone = int(np.count_nonzero(first != np.arange(len(first))))
+    together = first[faces]
+    together = together[~repeating(together)]
+    kept, together = compacted(vertices, together)
+    return kept, together, gone
+
+
+def volume_and_area(vertices: Floats, faces: Ints) -> tuple[float, float]:
+    """Signed volume (of a closed surface; positive if its faces wind outward) and area."""
+    centred = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    a, b, c = (np.ascontiguousarray(centred[faces[:, corner]]) for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    volume = float(np.einsum("ij,ij->", a, normals)) / 6
+    return volume, float(np.linalg.norm(normals, axis=1).sum()) / 2
+
+
+def topology(vertices: Floats, faces: Ints) -> Topology:
+    """The faces' topology."""
+    return Topology(faces, len(vertices))

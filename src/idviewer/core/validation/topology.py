@@ -1,0 +1,166 @@
+"""How the faces of a triangle mesh hang together: edges, loops, components, orientation, umbrellas.
+
+Everything is sorting and sparse graphs: a fraction of a second for a million faces. Half-edge h = 3 f + i
+runs from faces[f, i] to faces[f, (i + 1) % 3].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from idviewer.core.arrays import Bools, Ints
+
+
+def following(half_edges: Ints) -> Ints:
+    """The next half-edge around the same face, for each."""
+    return half_edges + np.where(half_edges % 3 == 2, -2, 1)
+
+
+def linked(count: int, a: Ints, b: Ints) -> tuple[int, Ints]:
+    """Number of connected components of `count` nodes joined by the links a-b, and each node's label."""
+    graph = csr_array((np.ones(len(a), np.int8), (a, b)), shape=(count, count))
+    number, labels = connected_components(graph, directed=False)
+    return int(number), labels.astype(np.int64)
+
+
+def first_of_each(labels: Ints, number: int) -> Ints:
+    """The smallest index that carries each label 0 .. number - 1."""
+    first = np.full(number, len(labels), np.int64)
+    np.minimum.at(first, labels, np.arange(len(labels)))
+    return first
+
+
+@dataclass(frozen=True, eq=False)
+class Topology:
+    """The edges of (m, 3) faces over n vertices, and what follows from them.
+
+    No face may repeat a vertex, and indices must be in range.
+    """
+
+    faces: Ints
+    vertex_count: int
+
+    @cached_property
+    def _sorted(self) -> tuple[Ints, Ints, Ints]:
+        """Half-edges sorted by undirected edge, where each edge starts among them, and the keys there."""
+        tails, heads = self.tails, self.heads
+        keys = np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads)
+        order = np.argsort(keys, kind="stable")
+        keys = keys[order]
+        starts = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]])) if len(keys) else order
+        return order, starts, keys[starts]
+
+    @cached_property
+    def tails(self) -> Ints:
+        """(3m,) the vertex each half-edge starts at."""
+        return self.faces.ravel()
+
+    @cached_property
+    def heads(self) -> Ints:
+        """(3m,) the vertex each half-edge ends at."""
+        return self.faces[:, [1, 2, 0]].ravel()
+
+    @cached_property
+    def ends(self) -> Ints:
+        """(e, 2) the vertices of each edge, the lower index first, in ascending order."""
+        return np.column_stack(np.divmod(self._sorted[2], self.vertex_count))
+
+    @cached_property
+    def face_counts(self) -> Ints:
+        """(e,) how many faces meet in each edge."""
+        order, starts, _ = self._sorted
+        return np.diff(np.append(starts, len(order)))
+
+    @cached_property
+    def boundary(self) -> Ints:
+        """The edges that have one face only."""
+        return np.flatnonzero(self.face_counts == 1)
+
+    @cached_property
+    def crowded(self) -> Ints:
+        """The edges that have more than two faces (non-manifold)."""
+        return np.flatnonzero(self.face_counts > 2)
+
+    @property
+    def closed(self) -> bool:
+        """Whether exactly two faces meet in every edge."""
+        return bool(np.all(self.face_counts == 2))
+
+    @cached_property
+    def pairs(self) -> Ints:
+        """(p, 2) the two half-edges of every edge that has exactly two."""
+        order, starts, _ = self._sorted
+        double = starts[self.face_counts == 2]
+        return np.column_stack([order[double], order[double + 1]])
+
+    @cached_property
+    def clashing(self) -> Bools:
+        """(p,) which pairs run in the same direction: their faces are wound against each other."""
+        return self.tails[self.pairs[:, 0]] == self.tails[self.pairs[:, 1]]
+
+    def boundary_loops(self) -> int:
+        """Number of connected pieces of the boundary."""
+        ends = self.ends[self.boundary]
+        vertices, nodes = np.unique(ends, return_inverse=True)
+        nodes = nodes.reshape(ends.shape)
+        return linked(len(vertices), nodes[:, 0], nodes[:, 1])[0]
+
+    @cached_property
+    def components(self) -> tuple[int, Ints]:
+        """Number of components (faces joined by shared vertices), and each face's: 0 is the largest.
+
+        Components of equal size keep the order of their first faces.
+        """
+        number, of_vertex = linked(self.vertex_count, self.ends[:, 0], self.ends[:, 1])
+        of_face = of_vertex[self.faces[:, 0]]
+        sizes = np.bincount(of_face, minlength=number)
+        firsts = first_of_each(of_face, number)
+        ranks = np.empty(number, np.int64)
+        ranks[np.lexsort([firsts, -sizes])] = np.arange(number)
+        return int(np.count_nonzero(sizes)), ranks[of_face]
+
+    def parts(self) -> int:
+        """Number of parts whose faces are joined by edges; a component may join several in a vertex."""
+        f, g = (self.pairs // 3).T
+        return linked(len(self.faces), f, g)[0]
+
+    def turned(self) -> Bools | None:
+        """(m,) which faces to turn so that all are wound alike; None if the surface is one-sided.
+
+        Each face has two sides; an edge joins sides that agree. On a one-sided surface both sides of a face
+        are connected. Of two consistent windings the one that turns fewer faces is taken.
+        """
+        count = len(self.faces)
+        f, g = (self.pairs // 3).T
+        clash = self.clashing
+        sides_a = np.concatenate([f, f + count])
+        sides_b = np.concatenate([np.where(clash, g + count, g), np.where(clash, g, g + count)])
+        number, labels = linked(2 * count, sides_a, sides_b)
+        front, back = labels[:count], labels[count:]
+        if np.any(front == back):
+            return None
+        # A part's two labels tell how many of its faces each winding keeps as they are.
+        kept = np.bincount(front, minlength=number)
+        return (kept[front] < kept[back]) | ((kept[front] == kept[back]) & (front > back))
+
+    def umbrellas(self) -> Ints:
+        """(u,) the vertex of every cycle of faces around a vertex; on a manifold each vertex appears once.
+
+        For closed, consistently wound faces. Turning around a vertex permutes its half-edges; the smallest
+        index of each cycle is found by doubling the step, so the rounds grow with the logarithm of the
+        largest degree.
+        """
+        step = np.empty(len(self.tails), np.int64)
+        one, other = self.pairs.T
+        step[one], step[other] = following(other), following(one)
+        lowest = np.arange(len(step))
+        while True:
+            lower = np.minimum(lowest, lowest[step])
+            if np.array_equal(lower, lowest):
+                return self.tails[lowest == np.arange(len(step))]
+            lowest, step = lower, step[step]
