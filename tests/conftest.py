@@ -26,7 +26,7 @@ def use_kernels_of_these_sources() -> None:
     Its own check looks at the file of a kernel alone: after an edit of what the kernel calls in another file,
     it would go on with the machine code of before.
     """
-    sources = [*sorted((CORE / "_kernels").glob("*.py")), CORE / "_angle_ratio.py"]
+    sources = sorted((CORE / "_kernels").rglob("*.py"))
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
     for older in CACHES.glob("*"):
         if older.name != digest:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from figures.registry import Run
 from idviewer.core import InteriorDistance, Polygon
-from idviewer.core.slices.mesh_sections import polygon_section
+from idviewer.core.slices.polygon_sections import polygon_section
 from idviewer.core.slices.triangulation import SliceMesh, slice_mesh, spacing_for
 from idviewer.view.colormaps import colors
 

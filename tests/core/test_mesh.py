@@ -142,7 +142,7 @@ def test_the_constructor_repairs_nothing(message, arrays):
 
 def test_what_could_be_repaired_says_how():
     with pytest.raises(
-        MeshError, match=r"^thing: 1 isolated vertex; idviewer\.core\.repair\.repair mends this$"
+        MeshError, match=r"^thing: 1 isolated vertex; idviewer\.core\.repair_mesh mends this$"
     ):
         Mesh(*_changed(shapes.cube(), vertex=[9, 9, 9]), name="thing")
 

@@ -20,7 +20,7 @@ from idviewer.core import (
     sample_path,
     write_polygon,
 )
-from idviewer.core.io.meshes import svg
+from idviewer.core.io import svg
 
 CSV = "0,0\n1,0\n1,1\n0,1\n"
 HOLED = "0,0\n4,0\n4,4\n0,4\n{}1,1\n2,1\n2,2\n1,2\n"

@@ -7,10 +7,10 @@ import pytest
 from tests.core import shapes
 
 from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Mesh, read_mesh, sample_path
+from idviewer.core.interior import preview
 from idviewer.core.interior.barycentroid import interior_samples
 from idviewer.core.interior.equations import extent
 from idviewer.core.interior.preview import PreviewDistance, preview_cutoff, preview_steps
-from idviewer.core.interior.solver import preview
 from idviewer.core.spectrum.eigen_solver import eigenpairs
 from idviewer.core.steps import finish
 

@@ -7,7 +7,7 @@ import pytest
 from tests.core import shapes
 
 from idviewer.core import InteriorDistance, Mesh, MeshError, Polygon, eigenpairs
-from idviewer.core.spectrum.eigen_solver import memory_estimate as room
+from idviewer.core.spectrum import memory_estimate as room
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Failure, OpenRequest
 

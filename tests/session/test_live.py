@@ -7,7 +7,7 @@ import pytest
 from tests.session.bodies import egg
 
 from idviewer.core import GPS, Biharmonic, Diffusion, Distance, Euclidean, InteriorDistance, MeshError, Plane
-from idviewer.core.interior.solver import barycentroid as barycentroid_module
+from idviewer.core.interior import barycentroid as barycentroid_module
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.session import eigenpairs as eigenpairs_module
 from idviewer.session.pipeline import Pipeline

@@ -9,7 +9,7 @@ from tests.session.bodies import egg, random_planes
 from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, read_mesh, sample_path
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.sampler import AFFORDABLE, QUICK_FACES, Sampler
-from idviewer.core.spectrum.eigen_solver import memory_estimate as room
+from idviewer.core.spectrum import memory_estimate as room
 from idviewer.core.steps import finish
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Frame, FrameRequest, Query

@@ -7,7 +7,7 @@ import pytest
 from tests.session.bodies import Desk
 
 from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, read_mesh, sample_path
-from idviewer.core.interior.solver import preview
+from idviewer.core.interior import preview
 from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL
 from idviewer.session import eigenpairs as eigenpairs
 from idviewer.session.pipeline import Pipeline, run_to_end

@@ -8,7 +8,7 @@ import numpy as np
 from tests.view.frames import Values, along_x, frame
 
 from idviewer.core import Polygon, write_polygon
-from idviewer.core.slices.mesh_sections import polygon_section
+from idviewer.core.slices.polygon_sections import polygon_section
 from idviewer.core.slices.triangulation import slice_mesh
 from idviewer.session.state import FLAT, Frame, Slice
 

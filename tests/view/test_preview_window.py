@@ -6,7 +6,7 @@ import pytest
 from pytestqt.qtbot import QtBot
 from tests.view.windows import LONG, show_window
 
-from idviewer.core.interior.solver import preview
+from idviewer.core.interior import preview
 from idviewer.core.io.samples import sample_path
 from idviewer.session.pipeline import Pipeline
 from idviewer.view.window import MainWindow
