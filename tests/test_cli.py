@@ -20,8 +20,9 @@ import trimesh
 from PIL import Image
 
 import idviewer
-from idviewer.cli import main, output, words
-from idviewer.cli.options import Looks
+from idviewer.cli import main, output
+from idviewer.cli import parsing as words
+from idviewer.cli.options import DisplayOptions
 from idviewer.core import (
     COORDINATES,
     DISTANCES,
@@ -34,7 +35,8 @@ from idviewer.core import (
     sample_names,
 )
 from idviewer.core.coordinates import maximum_entropy
-from idviewer.session import eigenpairs, spectrum_cache
+from idviewer.session import eigenpair_source as eigenpairs
+from idviewer.session import spectrum_cache
 
 INSIDE, OUTSIDE = "-0.3,0.1,0.2", "0.3,4,0.2"
 QUICK = ("--distance", "euclidean")
@@ -868,7 +870,7 @@ class TestProgram:
     def test_colormaps_are_those_of_the_view(self) -> None:
         from idviewer.view.colormaps import COLORMAPS
 
-        assert get_args(get_type_hints(Looks)["colormap"]) == tuple(COLORMAPS)
+        assert get_args(get_type_hints(DisplayOptions)["colormap"]) == tuple(COLORMAPS)
 
     def test_json_has_no_nan(self) -> None:
         assert output.as_json({"a": [1.0, math.inf]}) == '{"a": [1.0, null]}'

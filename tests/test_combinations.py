@@ -24,7 +24,7 @@ from idviewer.core import (
     sample_path,
     write_polygon,
 )
-from idviewer.core.distances import made
+from idviewer.core.distances import distance_from
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Failure, Frame, FrameRequest, Query
 
@@ -66,7 +66,7 @@ def test_they_run_and_agree(
     shape = read_shape(file)
     source, other = ENDS[shape.dimension]
     given = parameters(name, file.parent)
-    solver = InteriorDistance(shape, made(name, given), coordinates)
+    solver = InteriorDistance(shape, distance_from(name, given), coordinates)
     expected = float(solver.distance([source], [other])[0])
     assert np.isfinite(expected)
     assert expected > 0.0
@@ -110,7 +110,7 @@ def _through(point: tuple[float, ...]) -> Plane:
 def test_what_would_not_fit_says_why_in_one_line(coordinates: str, tmp_path: Path) -> None:
     hand = read_mesh(sample_path("hand"))
     np.save(tmp_path / "matrix.npy", np.ones((3, 3)))
-    kinds = (made("commute", {}), made("matrix", {"matrix": str(tmp_path / "matrix.npy")}))
+    kinds = (distance_from("commute", {}), distance_from("matrix", {"matrix": str(tmp_path / "matrix.npy")}))
     for kind in kinds:
         *_, failure = Pipeline().results(FrameRequest(hand, Query(distance=kind, coordinates=coordinates)))
         assert isinstance(failure, Failure)

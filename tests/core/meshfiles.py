@@ -14,10 +14,10 @@ from tests.core import shapes
 
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.validation.polygon_soup import Polygons as PolygonSoup
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 Vertices = NDArray[np.float64]
-Polygons = Iterable[Sequence[int]]
+Faces = Iterable[Sequence[int]]
 
 
 def _lines(rows: Iterable[Iterable[object]]) -> str:
@@ -28,17 +28,17 @@ def _numbers(vertices: Vertices) -> list[list[float]]:
     return np.asarray(vertices, dtype=np.float64).tolist()
 
 
-def _faces(polygons: Polygons) -> list[list[int]]:
+def _faces(polygons: Faces) -> list[list[int]]:
     return [[int(corner) for corner in polygon] for polygon in polygons]
 
 
-def off(vertices: Vertices, polygons: Polygons) -> bytes:
+def off(vertices: Vertices, polygons: Faces) -> bytes:
     faces = _faces(polygons)
     head = f"OFF\n{len(vertices)} {len(faces)} 0\n"
     return (head + _lines(_numbers(vertices)) + _lines([len(face), *face] for face in faces)).encode()
 
 
-def obj(vertices: Vertices, polygons: Polygons) -> bytes:
+def obj(vertices: Vertices, polygons: Faces) -> bytes:
     text = _lines(["v", *row] for row in _numbers(vertices))
     return (text + _lines(["f", *(corner + 1 for corner in face)] for face in _faces(polygons))).encode()
 
@@ -51,13 +51,13 @@ def _ply_header(form: str, vertices: int, faces: int, length: str = "uchar") -> 
     ).encode()
 
 
-def ply(vertices: Vertices, polygons: Polygons) -> bytes:
+def ply(vertices: Vertices, polygons: Faces) -> bytes:
     faces = _faces(polygons)
     text = _lines(_numbers(vertices)) + _lines([len(face), *face] for face in faces)
     return _ply_header("ascii", len(vertices), len(faces)) + text.encode()
 
 
-def ply_binary(vertices: Vertices, polygons: Polygons, order: str = "<", length: str = "uchar") -> bytes:
+def ply_binary(vertices: Vertices, polygons: Faces, order: str = "<", length: str = "uchar") -> bytes:
     faces = _faces(polygons)
     code = {"uchar": "B", "ushort": "H", "int": "i"}[length]
     body = [struct.pack(f"{order}3d", *row) for row in _numbers(vertices)]
@@ -66,7 +66,7 @@ def ply_binary(vertices: Vertices, polygons: Polygons, order: str = "<", length:
     return _ply_header(form, len(vertices), len(faces), length) + b"".join(body)
 
 
-def stl_text(vertices: Vertices, polygons: Polygons) -> bytes:
+def stl_text(vertices: Vertices, polygons: Faces) -> bytes:
     points = _numbers(vertices)
     facets = ""
     for face in _faces(polygons):
@@ -75,14 +75,14 @@ def stl_text(vertices: Vertices, polygons: Polygons) -> bytes:
     return f"solid facet of a test\n{facets}endsolid facet of a test\n".encode()
 
 
-def stl(vertices: Vertices, polygons: Polygons) -> bytes:
+def stl(vertices: Vertices, polygons: Faces) -> bytes:
     faces = _faces(polygons)
     triangles = [struct.pack("<12fH", 0, 0, 0, *vertices[face].ravel(), 0) for face in faces]
     header = b"solid is how even binary ones may begin".ljust(80)
     return header + struct.pack("<I", len(faces)) + b"".join(triangles)
 
 
-def gltf_tree(vertices: Vertices, polygons: Polygons, **node: object) -> tuple[dict, bytes]:
+def gltf_tree(vertices: Vertices, polygons: Faces, **node: object) -> tuple[dict, bytes]:
     """A glTF document with one node, and its buffer: float32 points, uint16 indices."""
     points = np.asarray(vertices, dtype="<f4").tobytes()
     corners = np.array(_faces(polygons), dtype="<u2").ravel()
@@ -118,17 +118,17 @@ def glb_of(tree: dict, buffer: bytes) -> bytes:
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
 
-def glb(vertices: Vertices, polygons: Polygons) -> bytes:
+def glb(vertices: Vertices, polygons: Faces) -> bytes:
     return glb_of(*gltf_tree(vertices, polygons))
 
 
-def gltf(vertices: Vertices, polygons: Polygons) -> bytes:
+def gltf(vertices: Vertices, polygons: Faces) -> bytes:
     tree, buffer = gltf_tree(vertices, polygons)
     tree["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
     return json.dumps(tree).encode()
 
 
-def vtp(vertices: Vertices, polygons: Polygons) -> bytes:
+def vtp(vertices: Vertices, polygons: Faces) -> bytes:
     faces = _faces(polygons)
     ends = np.cumsum([len(face) for face in faces]).tolist()
     return (
@@ -143,7 +143,7 @@ def vtp(vertices: Vertices, polygons: Polygons) -> bytes:
     ).encode()
 
 
-WRITERS: dict[str, tuple[str, Callable[[Vertices, Polygons], bytes]]] = {
+WRITERS: dict[str, tuple[str, Callable[[Vertices, Faces], bytes]]] = {
     "off": (".off", off),
     "obj": (".obj", obj),
     "ply": (".ply", ply),

@@ -119,7 +119,7 @@ def test_lists_of_different_lengths_are_refused_in_one_line(name, kind):
 
 def test_dimensions_that_a_kind_does_not_know_are_refused_in_one_line():
     class Flat(Coordinates):
-        name, title, rank, dimensions = "flat", "Flat coordinates", 99, (2,)
+        name, title, menu_order, dimensions = "flat", "Flat coordinates", 99, (2,)
 
     class Solid(DISTANCES["euclidean"]):
         name, title, dimensions = "solid", "Solid distance", (3,)

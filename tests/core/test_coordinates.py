@@ -230,14 +230,14 @@ def test_interior_distances_of_a_polygon_work_with_all_of_them(name, rng):
 
 
 def test_the_table_is_in_the_order_of_ranks():
-    ranks = [kind.rank for kind in COORDINATES.values()]
+    ranks = [kind.menu_order for kind in COORDINATES.values()]
     assert ranks == sorted(set(ranks))
     assert list(COORDINATES) == ["mean_value", "maximum_entropy", "shepard"]
 
 
 def test_the_wrong_dimension_is_one_clear_line():
     class Flat(Coordinates):
-        name, title, rank, dimensions = "flat", "Flat coordinates", 99, (2,)
+        name, title, menu_order, dimensions = "flat", "Flat coordinates", 99, (2,)
 
     Flat(SHAPES["comb"])
     with pytest.raises(ValueError, match="flat coordinates work in 2D, not in 3D; choose other coordinates"):

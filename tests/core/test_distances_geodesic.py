@@ -10,7 +10,7 @@ from tests.core import shapes
 from tests.core.outlines import flower, shortest_paths, with_holes
 
 from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polygon
-from idviewer.core.distances.classical_mds import double_centred, landmark_scaling_steps, scaling_steps
+from idviewer.core.distances.classical_mds import classical_mds_steps, double_centred, landmark_mds_steps
 from idviewer.core.distances.geodesics import Geodesics, landmark_steps
 from idviewer.core.distances.spectral import percentage
 from idviewer.core.interior.equations import squares_of
@@ -92,15 +92,15 @@ def test_landmarks_lie_far_apart(sphere):
 def test_landmarks_that_are_all_vertices_are_classical_scaling(rng):
     squares = squares_of(rng.standard_normal((60, 4))) ** 0.7  # concave, so not quite Euclidean squares
     order = rng.permutation(60)
-    full = finish(scaling_steps(squares))
-    landmarks = finish(landmark_scaling_steps(squares[:, order], order))
+    full = finish(classical_mds_steps(squares))
+    landmarks = finish(landmark_mds_steps(squares[:, order], order))
     np.testing.assert_allclose(squares_of(landmarks.embedding), squares_of(full.embedding), rtol=1e-6)
     assert landmarks.discarded == pytest.approx(full.discarded)
 
 
 def test_landmarks_place_the_others_exactly_where_distances_embed(rng):
     squares = squares_of(rng.standard_normal((80, 3)))
-    placed = finish(landmark_scaling_steps(squares[:, :10], np.arange(10)))
+    placed = finish(landmark_mds_steps(squares[:, :10], np.arange(10)))
     np.testing.assert_allclose(squares_of(placed.embedding), squares, atol=1e-9 * squares.max())
 
 

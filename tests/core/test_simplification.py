@@ -35,7 +35,7 @@ def test_every_vertex_is_one_of_the_mesh_and_the_heir_of_those_near_it():
     mesh = read_mesh(sample_path("hand_2k"))
     result = finish(simplification_steps(mesh, 600))
     assert set(map(tuple, result.mesh.vertices)) <= set(map(tuple, mesh.vertices))
-    gaps = np.linalg.norm(mesh.vertices - result.mesh.vertices[result.heirs], axis=1)
+    gaps = np.linalg.norm(mesh.vertices - result.mesh.vertices[result.parents], axis=1)
     assert np.count_nonzero(gaps == 0.0) == 600
     assert gaps.max() < 0.2 * mesh.diagonal
 

@@ -54,7 +54,7 @@ class Owner:
             self._posted.get()()
 
 
-class Desk:
+class FactorWorkspace:
     """A session with its owner's thread, and a log of all that it tells; closed at the end of a `with`."""
 
     def __init__(self, cache: SpectrumCache | None = None) -> None:
@@ -64,7 +64,7 @@ class Desk:
         for name in ("changed", "opened", "readied", "framed", "progressed", "failed"):
             getattr(self.session, name).connect(lambda *told, name=name: self.log.append((name, *told)))
 
-    def __enter__(self) -> Desk:
+    def __enter__(self) -> FactorWorkspace:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk, egg, few_samples  # noqa: F401
+from tests.session.bodies import FactorWorkspace, egg, few_samples  # noqa: F401
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.coordinates import maximum_entropy
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.sampler import QUICK_FACES, Sampler
 from idviewer.core.steps import finish
-from idviewer.session import prepared as prepared_module
+from idviewer.session import shape_context as prepared_module
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Frame, FrameRequest, Query, QueryError
 
@@ -136,7 +136,7 @@ def test_samples_used_longest_ago_make_room(pipeline, monkeypatch):
 
 @pytest.mark.slow
 def test_unknown_coordinates_are_a_failure_and_the_last_ones_come_back():
-    with Desk() as desk:
+    with FactorWorkspace() as desk:
         desk.session.show(MESH)
         desk.settle()
         desk.session.set(coordinates="wachspress")

@@ -9,7 +9,7 @@ from tests.session.bodies import egg
 from idviewer.core import GPS, Biharmonic, Diffusion, Distance, Euclidean, InteriorDistance, MeshError, Plane
 from idviewer.core.interior import barycentroid as barycentroid_module
 from idviewer.core.sampling.plane_samples import PlaneSamples
-from idviewer.session import eigenpairs as eigenpairs_module
+from idviewer.session import eigenpair_source as eigenpairs_module
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import DropRequest, Failure, Frame, FrameRequest, Query, Ready
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk, egg, few_samples  # noqa: F401
+from tests.session.bodies import FactorWorkspace, egg, few_samples  # noqa: F401
 
 from idviewer.core import (
     Biharmonic,
@@ -153,7 +153,7 @@ def test_distances_and_coordinates_share_what_they_can(monkeypatch):
         assert frames_of(STAR, Query(distance=Geodesic(), coordinates=coordinates), pipeline)[-1].exact
     frames_of(STAR, Query(distance=Biharmonic(), coordinates="shepard"), pipeline)
     with monkeypatch.context() as broken:
-        broken.setattr("idviewer.session.eigenpairs.eigenpair_steps", None)
+        broken.setattr("idviewer.session.eigenpair_source.eigenpair_steps", None)
         assert frames_of(STAR, Query(coordinates="maximum_entropy"), pipeline)[-1].exact
 
 
@@ -179,7 +179,7 @@ class TestPicking:
 class TestSession:
     def test_a_polygon_is_opened_shown_and_clicked(self, tmp_path):
         write_polygon(L_SHAPE, tmp_path / "corner.csv")
-        with Desk() as desk:
+        with FactorWorkspace() as desk:
             desk.session.set(distance=Diffusion(time=0.3), source=(0.0, 0.0, 9.0))
             desk.session.open(tmp_path / "corner.csv")
             desk.settle()
@@ -204,7 +204,7 @@ class TestSession:
 
     def test_what_is_no_polygon_fails_and_leaves_what_was_there(self, tmp_path):
         (tmp_path / "bow.csv").write_text("0,0\n1,1\n1,0\n0,1\n")
-        with Desk() as desk:
+        with FactorWorkspace() as desk:
             desk.session.show(SQUARE)
             desk.settle()
             desk.session.open(tmp_path / "bow.csv")
@@ -216,7 +216,7 @@ class TestSession:
     @pytest.mark.slow
     def test_meshes_and_polygons_take_turns(self):
         mesh = egg(1)
-        with Desk() as desk:
+        with FactorWorkspace() as desk:
             for shape in (SQUARE, mesh, L_SHAPE):
                 desk.session.set(distance=Euclidean(), coordinates="shepard")
                 desk.session.show(shape)

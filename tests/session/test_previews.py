@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk
+from tests.session.bodies import FactorWorkspace
 
 from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.interior import preview
 from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL
-from idviewer.session import eigenpairs as eigenpairs
+from idviewer.session import eigenpair_source as eigenpairs
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready
 
@@ -120,7 +120,7 @@ def test_what_needs_no_eigenpairs_and_who_does_not_look_on_get_no_preview(mesh):
 
 
 def test_the_source_and_the_planes_stay(mesh):
-    with Desk() as desk:
+    with FactorWorkspace() as desk:
         desk.session.show(mesh)
         desk.owner.run_until(lambda: desk.session.frame is not None)
         assert desk.session.frame.preview is not None
@@ -137,7 +137,7 @@ def test_the_source_and_the_planes_stay(mesh):
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_cancelled_in_a_stage_it_shows_what_there_is_and_resumes(mesh, stage):
-    with Desk() as desk:
+    with FactorWorkspace() as desk:
         desk.session.show(mesh)
         desk.owner.run_until(lambda: any(told and told.stage == stage for (told,) in desk.told("progressed")))
         desk.session.cancel()
@@ -153,6 +153,6 @@ def test_cancelled_in_a_stage_it_shows_what_there_is_and_resumes(mesh, stage):
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_closed_in_a_stage_the_thread_ends(mesh, stage):
-    with Desk() as desk:
+    with FactorWorkspace() as desk:
         desk.session.show(mesh)
         desk.owner.run_until(lambda: any(told and told.stage == stage for (told,) in desk.told("progressed")))

@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk, egg
+from tests.session.bodies import FactorWorkspace, egg
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Polygon, PolygonError, write_polygon
 from idviewer.core.shapes.polygon import Polygon as Shape
@@ -30,7 +30,7 @@ def moved(vertex: int, by: tuple[float, float], polygon: Polygon = BLOB) -> np.n
 
 @pytest.fixture
 def desk():
-    with Desk() as made:
+    with FactorWorkspace() as made:
         made.session.show(BLOB)
         made.settle()
         made.log.clear()
@@ -97,7 +97,7 @@ def test_what_is_no_polygon_is_refused_and_nothing_changes(desk, vertices, part)
 
 
 def test_only_polygons_have_vertices_to_be_moved():
-    with Desk() as desk:
+    with FactorWorkspace() as desk:
         with pytest.raises(ValueError, match="only the vertices of a polygon can be moved"):
             desk.session.reshape(BLOB.vertices)
         desk.session.show(egg(1))
@@ -182,7 +182,7 @@ def test_kernels_are_looked_at_once_when_their_coordinates_are_first_asked_for(m
 def test_a_drag_is_recorded_and_replayed(tmp_path):
     write_polygon(BLOB, tmp_path / "blob.json")
     stream = io.StringIO()
-    with Desk() as desk:
+    with FactorWorkspace() as desk:
         recorder = Recorder(desk.session, stream)
         desk.session.open(tmp_path / "blob.json")
         desk.settle()
@@ -193,7 +193,7 @@ def test_a_drag_is_recorded_and_replayed(tmp_path):
         desk.settle()
         recorder.close()
         expected = desk.session.frame
-    with Desk() as again:
+    with FactorWorkspace() as again:
         replay(stream.getvalue().splitlines(), again.session, again.settle)
         frame = again.session.frame
         assert isinstance(frame.shape, Shape)

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from tests.core import shapes
-from tests.session.bodies import Desk, egg
+from tests.session.bodies import FactorWorkspace, egg
 
 from idviewer.core import (
     GPS,
@@ -39,7 +39,7 @@ def write_off(path, mesh: Mesh) -> None:
 
 @pytest.fixture
 def desk():
-    with Desk() as made:
+    with FactorWorkspace() as made:
         yield made
 
 
@@ -305,7 +305,7 @@ def test_a_recording_replays_to_the_same_frame(settled, tmp_path):
     lines = stream.getvalue().splitlines()
     assert [json.loads(line)["do"] for line in lines] == ["open", "set", "click"]
 
-    other = Desk()
+    other = FactorWorkspace()
     try:
         replay(lines, other.session, other.settle)
         again = other.session.frame

@@ -23,7 +23,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from idviewer import app
 from idviewer.core import InteriorDistance, Plane
 from idviewer.core.io.samples import sample_path
-from idviewer.core.memory import give_back
+from idviewer.core.memory import release_free_memory
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Frame, FrameRequest, State
 from idviewer.view.handle_geometry import Part
@@ -234,7 +234,7 @@ class Seen:
     def take_stock(self) -> None:
         """Counts bytes, VTK's objects and frames, and the window's actors and listeners."""
         gc.collect()
-        give_back()  # the gaps that tests before have left in the heap fill up in no order
+        release_free_memory()  # the gaps that tests before have left in the heap fill up in no order
         held = Counter(type(thing).__name__ for thing in gc.get_objects())
         kept = {name: count for name, count in held.items() if name.startswith("vtk") or name == "Frame"}
         kept["actors"] = self._plotter.renderer.GetViewProps().GetNumberOfItems()

@@ -14,8 +14,11 @@ from pathlib import Path
 from cyclopts import App, CycloptsError
 
 import idviewer
-from idviewer.cli import kinds, output, words, work
-from idviewer.cli.options import Asked, Component, Ends, Flag, Kind, Looks, NoCache
+from idviewer.cli import commands as work
+from idviewer.cli import distance_options as kinds
+from idviewer.cli import output
+from idviewer.cli import parsing as words
+from idviewer.cli.options import Component, DisplayOptions, Endpoints, Flag, Kind, NoCache, PictureQuery
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
 CARRYING = ("render", "distance", "barycentroid")
@@ -50,7 +53,7 @@ def window(shape: str | None = None, /, *, no_cache: NoCache = False) -> int:
         words.check_picture_path(FALLBACK_PICTURE)
         kind = kinds.carried_by(Kind())
         made = words.shape_of(shape or DEFAULT_SAMPLE)
-        work.draw(made, FALLBACK_PICTURE, kind, Asked(), Looks(), work.cache_of(no_cache))
+        work.draw(made, FALLBACK_PICTURE, kind, PictureQuery(), DisplayOptions(), work.cache_of(no_cache))
         print(FALLBACK_PICTURE)
         return 0
     words.need_window_libraries()
@@ -65,9 +68,9 @@ def render(
     out: Path,
     /,
     *,
-    asked: Asked = Asked(),
+    asked: PictureQuery = PictureQuery(),
     kind: Kind = Kind(),
-    looks: Looks = Looks(),
+    looks: DisplayOptions = DisplayOptions(),
     component: Component = None,
     no_cache: NoCache = False,
 ) -> None:
@@ -90,7 +93,7 @@ def distance(
     shape: str,
     /,
     *,
-    ends: Ends = Ends(),
+    ends: Endpoints = Endpoints(),
     kind: Kind = Kind(),
     component: Component = None,
     no_cache: NoCache = False,
@@ -156,7 +159,7 @@ def info(shape: str, /, *, json: Flag = False) -> int:
         shape: A file, or the name of a bundled shape.
         json: Print JSON.
     """
-    from idviewer.cli import about
+    from idviewer.cli import shape_info as about
 
     path = words.path_of(shape)
     text, usable = (

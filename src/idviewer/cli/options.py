@@ -45,7 +45,7 @@ class Kind:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Asked:
+class PictureQuery:
     """What a picture is to show.
 
     Attributes:
@@ -61,7 +61,7 @@ class Asked:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Looks:
+class DisplayOptions:
     """How a picture is to look.
 
     Attributes:
@@ -81,7 +81,7 @@ class Looks:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Ends:
+class Endpoints:
     """Between which points distances are wanted: --from and --to, or --source and --points.
 
     Attributes:

@@ -19,8 +19,8 @@ from idviewer.core.distances import (
     GivenEmbedding,
     Parameter,
     SpectralFilter,
-    distance,
     parameters_of,
+    register_distance,
 )
 from idviewer.core.errors import DistanceError, ShapeError
 from idviewer.core.interior.barycentroid import Barycentroid
@@ -80,7 +80,6 @@ __all__ = [
     "TruncationError",
     "cotangent_laplacian",
     "diagnose",
-    "distance",
     "eigenpairs",
     "interior_distance",
     "laplacian_of",
@@ -92,6 +91,7 @@ __all__ = [
     "read_mesh",
     "read_polygon",
     "read_shape",
+    "register_distance",
     "repair_mesh",
     "sample_names",
     "sample_path",

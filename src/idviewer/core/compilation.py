@@ -20,13 +20,13 @@ from idviewer.core._kernels.mean_value.surface import patched
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
-from idviewer.core.shapes.closest_points import Ground
+from idviewer.core.shapes.closest_points import ClosestPointProjection
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.shapes.simplification import simplified
-from idviewer.core.spectrum.krylov_basis import TallBasis
-from idviewer.core.spectrum.ldl_factorization import SymmetricFactor
+from idviewer.core.spectrum.krylov_basis import KrylovBasis
+from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 from idviewer.core.steps import finish
 
 Calls = list[Callable[[], object]]
@@ -114,7 +114,7 @@ def _spatial_calls() -> Calls:
     spindle = _spindle(LANES)
     corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
-    scratch, landing = kernels.scratch_for(surface, 1), kernels.no_landing(1)
+    scratch, landing = kernels.scratch_for(surface, 1), kernels.no_boundary_hits(1)
     return [
         lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),
@@ -130,8 +130,8 @@ def _spatial_calls() -> Calls:
             (np.zeros((1, LANES), dtype=np.int64), np.zeros((1, len(corners)))),
         ),
         lambda: simplified(spindle, len(corners) - 1),
-        lambda: Ground(spindle).land(corners),
-        lambda: SymmetricFactor(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
+        lambda: ClosestPointProjection(spindle).project(corners),
+        lambda: LDLFactorization(sparse.eye_array(len(corners), format="csc"), corners).solve(corners),
         lambda: finish(_unit_basis().combination_steps(np.empty((0, 1)), np.arange(LANES))),
     ]
 
@@ -145,8 +145,8 @@ def _tree_calls() -> Calls:
     ]
 
 
-def _unit_basis() -> TallBasis:
-    basis = TallBasis(LANES)
+def _unit_basis() -> KrylovBasis:
+    basis = KrylovBasis(LANES)
     basis.append(np.eye(LANES))
     return basis
 

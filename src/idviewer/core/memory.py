@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import cache
 
 
-def give_back() -> None:
+def release_free_memory() -> None:
     """Returns what large results left behind, where the C library can (glibc); takes some milliseconds.
 
     Threads have heaps of their own, which shrink by themselves only from their ends.

@@ -11,17 +11,17 @@ from typing import TypeVar
 import numpy as np
 
 from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
-from idviewer.core.memory import give_back
+from idviewer.core.memory import release_free_memory
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.spectrum.memory_estimate import check_room
 from idviewer.core.threads import few_threads, small_products
-from idviewer.session.eigenpairs import REFINING, Eigenpairs, Recalled
-from idviewer.session.framing import Framing
+from idviewer.session.cached_view import default_plane
+from idviewer.session.eigenpair_source import REFINING, CacheHit, EigenpairSource
+from idviewer.session.frame_builder import FrameBuilder
 from idviewer.session.kernels import Kernels
-from idviewer.session.opening import default_plane
-from idviewer.session.prepared import SOURCE, Prepared
 from idviewer.session.previews import Previews
 from idviewer.session.progress import with_progress
+from idviewer.session.shape_context import SOURCE, ShapeContext
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
@@ -59,12 +59,12 @@ class Pipeline:
 
     def __init__(self, cache: SpectrumCache | None = None, previews: bool = False) -> None:
         self._kernels = Kernels()
-        self._eigenpairs = Eigenpairs(cache)
+        self._eigenpairs = EigenpairSource(cache)
         self._previews = Previews() if previews else None
-        self._recalled: tuple[Hashable, Recalled] | None = None
-        self._prepared: Prepared | None = None
-        self._preparing: tuple[Shape, Hashable, Generator[Progress, None, Prepared]] | None = None
-        self._told: tuple[Prepared, int] | None = None
+        self._recalled: tuple[Hashable, CacheHit] | None = None
+        self._prepared: ShapeContext | None = None
+        self._preparing: tuple[Shape, Hashable, Generator[Progress, None, ShapeContext]] | None = None
+        self._told: tuple[ShapeContext, int] | None = None
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -129,23 +129,23 @@ class Pipeline:
         yield from self._kernels.steps(query.coordinates, request.shape)
         yield from with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps(True))
 
-    def _refined(self, prepared: Prepared, query: Query) -> Results:
+    def _refined(self, prepared: ShapeContext, query: Query) -> Results:
         """The frames of a query whose shape is prepared."""
-        framing = Framing(prepared, query)
+        framing = FrameBuilder(prepared, query)
         if not framing.is_there:
             yield from self._kernels.steps(query.coordinates, prepared.shape)
         samples = yield from with_progress("Preparing slices", framing.prepare_steps())
         with small_products():
             yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
 
-    def _keep_opening(self, prepared: Prepared, query: Query) -> Generator[None, None, None]:
+    def _keep_opening(self, prepared: ShapeContext, query: Query) -> Generator[None, None, None]:
         """Writes what a first view shows for the next run of the program."""
         spectrum = prepared.spectrum
         opening = prepared.opening(query)
         if opening is not None and spectrum is not None:
             yield from self._eigenpairs.keep_opening_steps(prepared.shape, spectrum, query, opening)
 
-    def _recall(self, request: FrameRequest) -> Generator[Progress, None, Recalled]:
+    def _recall(self, request: FrameRequest) -> Generator[Progress, None, CacheHit]:
         """What is kept of a shape from an earlier run; looked for once."""
         shape, query = request.shape, request.query
         key = shape, query.distance, query.coordinates
@@ -153,7 +153,7 @@ class Pipeline:
             self._recalled = key, (yield from self._eigenpairs.recall_steps(shape, query))
         return self._recalled[1]
 
-    def _prepare(self, request: FrameRequest, recalled: Recalled) -> Generator[Progress, None, Prepared]:
+    def _prepare(self, request: FrameRequest, recalled: CacheHit) -> Generator[Progress, None, ShapeContext]:
         shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
         if self._preparing is None or self._preparing[:2] != (shape, key):
             known = self._prepared if self._prepared is not None and self._prepared.shape is shape else None
@@ -169,8 +169,8 @@ class Pipeline:
             yield progress
 
     def _preparation(
-        self, request: FrameRequest, known: Prepared | None, recalled: Recalled
-    ) -> Generator[Progress, None, Prepared]:
+        self, request: FrameRequest, known: ShapeContext | None, recalled: CacheHit
+    ) -> Generator[Progress, None, ShapeContext]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
         spectrum, opening = recalled
@@ -179,19 +179,19 @@ class Pipeline:
         if query.distance.spectral and spectrum is None:
             spectrum = yield from self._computed(shape, query.distance)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
-            give_back()
+            release_free_memory()
         if known is not None:
             known.spectrum = spectrum
             return known
         steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from with_progress(_stage(query.distance), steps)
-        prepared = Prepared(solver, self._centre(request))
+        prepared = ShapeContext(solver, self._centre(request))
         if opening is not None:
             prepared.restore(query, opening)
         if not prepared.has_centre:
             yield Progress(SEARCHING)
             with small_products():
-                for _ in prepared.settle_steps(solver):
+                for _ in prepared.find_barycentroid_steps(solver):
                     yield Progress(SEARCHING)
         return prepared
 
@@ -227,7 +227,7 @@ def _patiently(shape: Shape, results: Results) -> Results:
             yield None if soon and isinstance(result, Progress) else result
 
 
-def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSamples]) -> Results:
+def _coarse_to_fine(prepared: ShapeContext, framing: FrameBuilder, samples: list[PlaneSamples]) -> Results:
     """The frames of a query. The first needs nothing but samples, so that a slider's drag is followed; where
     the distance's own barycentroid is not known yet, the one shown before stands for it meanwhile. Nor does
     the first wait for the exact sample of a new source."""
@@ -244,7 +244,7 @@ def _coarse_to_fine(prepared: Prepared, framing: Framing, samples: list[PlaneSam
         yield (yield from framing.frame_steps(slices, level))
         if not framing.settled and (framing.shows_barycentroid or level == levels - 1):
             yield Progress(SEARCHING)
-            yield from prepared.settle_steps(framing.solver)
+            yield from prepared.find_barycentroid_steps(framing.solver)
             yield (yield from framing.frame_steps(slices, level))
 
 

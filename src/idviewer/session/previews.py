@@ -21,8 +21,8 @@ from idviewer.core.interior.preview import (
 )
 from idviewer.core.steps import beside, without_shares
 from idviewer.core.threads import small_products
-from idviewer.session.framing import Framing
-from idviewer.session.prepared import Prepared
+from idviewer.session.frame_builder import FrameBuilder
+from idviewer.session.shape_context import ShapeContext
 from idviewer.session.state import Frame, Point, Progress, Query, QueryError, Ready
 
 Steps = Generator[Progress, None, None]
@@ -46,7 +46,7 @@ class Previews:
         self._shape: Shape | None = None
         self._making: tuple[Distance, Steps] | None = None
         self._preview: Preview | None = None
-        self._prepared: Prepared | None = None
+        self._prepared: ShapeContext | None = None
         self._errors: dict[Distance, tuple[float, float]] = {}
         self._told: Preview | None = None
 
@@ -112,8 +112,8 @@ class Previews:
         for _ in beside(lambda: shape.patches):  # which the first section needs
             yield Progress(COARSE)
         solver = PreviewDistance(preview, query.distance, query.coordinates)
-        prepared = Prepared(solver, finest=NODES)
-        for _ in prepared.settle_steps(solver):
+        prepared = ShapeContext(solver, finest=NODES)
+        for _ in prepared.find_barycentroid_steps(solver):
             yield Progress(SEARCHING)
         if solver.keeps_inside(prepared.barycentroid(query)):
             self._preview, self._prepared, self._errors = preview, prepared, {}
@@ -122,17 +122,17 @@ class Previews:
         if self._preview is None or self._prepared is None:
             return
         yield from without_shares(self._prepared.basis_steps(query))
-        framing = Framing(self._prepared, query)
+        framing = FrameBuilder(self._prepared, query)
         if self._told is not self._preview:
             self._told = self._preview
             place = np.array(self._prepared.barycentroid(query))
             yield Ready(self._preview.full, len(self._preview.spectrum.values), place, preview=True)
         yield (yield from self._picture(framing, query))
         if framing.shows_barycentroid and not framing.settled:
-            yield from self._prepared.settle_steps(framing.solver)
+            yield from self._prepared.find_barycentroid_steps(framing.solver)
             yield (yield from self._picture(framing, query))
 
-    def _picture(self, framing: Framing, query: Query) -> Generator[None, None, Frame]:
+    def _picture(self, framing: FrameBuilder, query: Query) -> Generator[None, None, Frame]:
         samples = yield from without_shares(framing.prepare_steps())
         slices = []
         for one in samples:
@@ -142,7 +142,7 @@ class Previews:
         title = f"{frame.title}; preview (error about {percentage(share)})"
         return replace(frame, exact=False, error=frame.error + share * largest, preview=share, title=title)
 
-    def _error(self, distance: Distance, framing: Framing) -> tuple[float, float]:
+    def _error(self, distance: Distance, framing: FrameBuilder) -> tuple[float, float]:
         """Of a distance: the share, and the largest distance on the boundary."""
         assert self._preview is not None
         if distance not in self._errors:

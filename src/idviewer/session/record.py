@@ -10,7 +10,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from idviewer.core import Distance, Plane, parameters_of
-from idviewer.core.distances import made
+from idviewer.core.distances import distance_from
 from idviewer.core.shapes.rays import Ray
 from idviewer.session.session import Session
 
@@ -91,5 +91,5 @@ def _from_plain(name: str, value: Any) -> Any:
         return Ray(tuple(value["origin"]), tuple(value["direction"]))
     if name == "distance":
         parameters = {key: item for key, item in value.items() if key != "name"}
-        return made(value["name"], parameters)
+        return distance_from(value["name"], parameters)
     return tuple(value) if isinstance(value, list) else value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 
-from idviewer.core.memory import give_back
+from idviewer.core.memory import release_free_memory
 from idviewer.session.state import (
     DropRequest,
     Failure,
@@ -62,7 +62,7 @@ class Runner:
         while (request := self._next()) is not None:
             self._serve(request)
             if self._pending is None:
-                give_back()
+                release_free_memory()
 
     def _next(self) -> Request | None:
         with self._changed:

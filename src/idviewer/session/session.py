@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from idviewer.core import Diffusion, Plane, Polygon, Shape
 from idviewer.core.distances import missing, with_defaults
 from idviewer.core.shapes.rays import Ray
-from idviewer.session.opening import default_plane
+from idviewer.session.cached_view import default_plane
 from idviewer.session.picking import FramePicker, Probe, Target, pick
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Runner, Work

@@ -16,7 +16,7 @@ from idviewer.core import Shape, Spectrum
 from idviewer.core.spectrum.eigen_solver import SOLVER_VERSION
 from idviewer.core.steps import finish
 from idviewer.session.bounded_folder import BoundedFolder
-from idviewer.session.opening import Opening, kind_steps
+from idviewer.session.cached_view import CachedView, kind_steps
 from idviewer.session.state import Query
 from idviewer.session.stored_arrays import Arrays, DamagedError, read_about, read_steps, write_steps
 
@@ -122,7 +122,7 @@ class SpectrumCache:
 
     def lookup_opening_steps(
         self, shape: Shape, spectrum: Spectrum, query: Query
-    ) -> Generator[float, None, tuple[Opening | None, str]]:
+    ) -> Generator[float, None, tuple[CachedView | None, str]]:
         """What the first view of a shape with these eigenpairs showed, if it is there; complaints."""
         key = (yield from _key_steps(shape)) + VIEW
         try:
@@ -131,7 +131,7 @@ class SpectrumCache:
                 expected = {"key": key, **(yield from kind_steps(query, spectrum))}
                 if any(about[name] != value for name, value in expected.items()):
                     return None, ""
-                opening = Opening.of(about, (yield from read_steps(file, entries)))
+                opening = CachedView.of(about, (yield from read_steps(file, entries)))
         except OSError:
             return None, ""
         except (LookupError, TypeError, ValueError) as error:
@@ -140,7 +140,7 @@ class SpectrumCache:
         return opening, ""
 
     def store_opening_steps(
-        self, shape: Shape, spectrum: Spectrum, query: Query, opening: Opening
+        self, shape: Shape, spectrum: Spectrum, query: Query, opening: CachedView
     ) -> Generator[float | None, None, None]:
         """Keeps what the first view of a shape shows; that of another distance is replaced.
 

@@ -16,12 +16,12 @@ from idviewer.core import Plane, Polygon
 from idviewer.core.arrays import in_space
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.camera import Pose, Projection, View
-from idviewer.view.drawing import Smoothing, drawing_widget
-from idviewer.view.eye import Eye
+from idviewer.view.camera_controller import CameraController
 from idviewer.view.flat import is_flat
 from idviewer.view.handle_geometry import Handle, Part
+from idviewer.view.mouse_state import SHORT, STILL, Grip, Press, cursor_for, is_shift, target_of
 from idviewer.view.plane_handle import PlaneHandle
-from idviewer.view.press import SHORT, STILL, Grip, Press, cursor_for, is_shift, target_of
+from idviewer.view.render_widget import Smoothing, drawing_widget
 from idviewer.view.scene import Scene
 from idviewer.view.vertex_geometry import VertexDrag, vertex_at
 from idviewer.view.vertex_handles import VertexHandles
@@ -50,7 +50,7 @@ class Viewport(QWidget):
         super().__init__(parent)
         self._plotter, self._smoothing = drawing_widget(self), Smoothing()
         self._scene = Scene(self._plotter)
-        self._eye = Eye(self._plotter, self.request_draw)
+        self._eye = CameraController(self._plotter, self.request_draw)
         self._handle, self._vertices = PlaneHandle(self._plotter), VertexHandles(self._plotter)
         window = self._plotter.GetRenderWindow()
         self._observers = [(window, window.AddObserver("StartEvent", self._before_draw))]

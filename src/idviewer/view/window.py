@@ -16,15 +16,16 @@ from idviewer.core.io.samples import sample_names, sample_path
 from idviewer.core.shapes.rays import Ray
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, QueryError, State
-from idviewer.view import clearing, dialogs, images
+from idviewer.view import cache_menu as clearing
+from idviewer.view import dialogs, images
 from idviewer.view.dialogs import PictureRequest
 from idviewer.view.flat import is_flat
 from idviewer.view.help import HelpSheet
 from idviewer.view.menus import fill_menu_bar, suit
 from idviewer.view.message_bar import MessageBar
 from idviewer.view.panel import Calls, Panel
+from idviewer.view.polygon_edits import Reshaper
 from idviewer.view.post import Post
-from idviewer.view.reshaping import Reshaper
 from idviewer.view.status_line import StatusLine, hint_for, in_words
 from idviewer.view.viewport import Viewport
 

@@ -6,13 +6,13 @@ Everything is in units of the bounding box's diagonal, about its centre.
 """
 
 from idviewer.core._kernels.mean_value.blocks import thread_count, weigh
-from idviewer.core._kernels.mean_value.patches import Scratch, no_landing, scratch_for
+from idviewer.core._kernels.mean_value.patches import Scratch, no_boundary_hits, scratch_for
 from idviewer.core._kernels.simd.lanes import LANES
 
 __all__ = [
     "LANES",
     "Scratch",
-    "no_landing",
+    "no_boundary_hits",
     "scratch_for",
     "thread_count",
     "weigh",

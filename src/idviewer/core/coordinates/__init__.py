@@ -11,11 +11,11 @@ from idviewer.core.coordinates.registry import (
     COORDINATES,
     Coordinates,
     Property,
-    coordinates,
     coordinates_of,
+    register_coordinates,
 )
 
-__all__ = ["COORDINATES", "Coordinates", "Property", "coordinates", "coordinates_of"]
+__all__ = ["COORDINATES", "Coordinates", "Property", "coordinates_of", "register_coordinates"]
 
 for _module in sorted(iter_modules(__path__), key=lambda module: module.name):
     import_module(f"{__name__}.{_module.name}")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from idviewer.core._kernels.mean_value.maximum_entropy import maximum_entropy
 from idviewer.core.arrays import Floats, Ints, as_points, in_space
 from idviewer.core.coordinates.mean_value import mean_value_on
-from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
+from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
 from idviewer.core.shapes.shape import Shape
 
 RESIDUAL = 1e-11
@@ -22,7 +22,7 @@ class ConvergenceWarning(RuntimeWarning):
     """Weights of some points were not found; their rows are NaN."""
 
 
-@coordinates
+@register_coordinates
 class MaximumEntropyCoordinates(Coordinates):
     """Evaluates maximum entropy coordinates of one shape.
 
@@ -49,7 +49,7 @@ class MaximumEntropyCoordinates(Coordinates):
 
     name = "maximum_entropy"
     title = "Maximum entropy coordinates"
-    rank = 20
+    menu_order = 20
     properties = frozenset(Property)
     pairs_in_a_step: ClassVar[float] = 1e5
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from idviewer.core.arrays import Floats, as_points
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.mean_value_polygon import PolygonMeanValue
-from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
+from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
 from idviewer.core.coordinates.tolerance import Approximation
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.shape import Shape
@@ -21,7 +21,7 @@ def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:
     return MeshMeanValue(cast(Mesh, shape)) if shape.dimension == 3 else PolygonMeanValue(shape)
 
 
-@coordinates
+@register_coordinates
 class MeanValueCoordinates(Coordinates):
     """Evaluates mean value coordinates of one shape.
 
@@ -42,7 +42,7 @@ class MeanValueCoordinates(Coordinates):
 
     name = "mean_value"
     title = "Mean value coordinates"
-    rank = 10
+    menu_order = 10
     properties = frozenset(Property) - {Property.NON_NEGATIVITY}
 
     def __init__(self, shape: Shape) -> None:

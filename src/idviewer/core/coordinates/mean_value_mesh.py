@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from idviewer.core import _kernels
 from idviewer.core._kernels.mean_value.surface import patched
 from idviewer.core.arrays import Floats, Ints, as_points
-from idviewer.core.coordinates.point_classification import Boundary, Whereabouts
+from idviewer.core.coordinates.point_classification import Boundary, PointClassification
 from idviewer.core.coordinates.tolerance import Approximation
 from idviewer.core.morton import morton_order
 from idviewer.core.shapes.mesh import Mesh
@@ -108,7 +108,7 @@ class MeshMeanValue(Boundary):
     ) -> tuple[list[Landed], Floats]:
         """Run the kernel; the points on the surface, and the weights' sums (blocks, parts, lanes)."""
         blocks, parts = product[1].shape[:2]
-        landing, totals = _kernels.no_landing(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
+        landing, totals = _kernels.no_boundary_hits(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
         _kernels.weigh(
             packed, self._surface, self.tolerance, self._scratch, landing, totals, kept, product, weights
         )
@@ -159,7 +159,7 @@ class MeshMeanValue(Boundary):
             packed = normalised[padded].reshape(blocks, lanes, 3).transpose(0, 2, 1)
             yield chosen, np.ascontiguousarray(packed)
 
-    def locate(self, points: Floats) -> Whereabouts:
+    def locate(self, points: Floats) -> PointClassification:
         """Which of points (p, 3) are inside, and which on the surface."""
         nothing = np.zeros((1, len(self._surface.vertices), _kernels.LANES))
         inside, landed = np.zeros(len(points), dtype=bool), {}
@@ -173,7 +173,9 @@ class MeshMeanValue(Boundary):
         shares = np.array([landed[point][1] for point in on]).reshape(-1, 3)
         # Rounding leaves shares a hair below 0 on edges.
         shares = np.maximum(shares, 0.0)
-        return Whereabouts(np.flatnonzero(inside), on, vertices, shares / shares.sum(axis=1, keepdims=True))
+        return PointClassification(
+            np.flatnonzero(inside), on, vertices, shares / shares.sum(axis=1, keepdims=True)
+        )
 
     @property
     def normalised_mesh(self) -> tuple[Floats, Ints]:

@@ -11,7 +11,7 @@ from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.shape import Shape
 
 
-class Whereabouts(NamedTuple):
+class PointClassification(NamedTuple):
     """Of many points; those in neither list are outside.
 
     Attributes:
@@ -50,10 +50,10 @@ class Boundary(ABC):
         return (points - self._centre) * self._scale
 
     @abstractmethod
-    def locate(self, points: Floats) -> Whereabouts:
+    def locate(self, points: Floats) -> PointClassification:
         """Which of points (p, dimension) are inside, and which on the boundary."""
 
-    def rows(self, points: Floats) -> tuple[Floats, Whereabouts, Floats]:
+    def rows(self, points: Floats) -> tuple[Floats, PointClassification, Floats]:
         """For points (p, dimension): `normalise`, `locate`, and (p, n) rows of weights.
 
         The rows are ready for points on the boundary, where weights are linear, and outside, where they are

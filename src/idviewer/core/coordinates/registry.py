@@ -40,7 +40,7 @@ class Coordinates:
     Attributes:
         name: as `InteriorDistance` and the command line take it.
         title: for menus.
-        rank: place in menus, the lowest first.
+        menu_order: place in menus, the lowest first.
         dimensions: in which it works.
         properties: exactly those that it has; the tests prove them, and disprove the others.
         linear_on_boundary: whether on edges and faces it interpolates their ends linearly, so that it is
@@ -55,7 +55,7 @@ class Coordinates:
 
     name: ClassVar[str]
     title: ClassVar[str]
-    rank: ClassVar[int]
+    menu_order: ClassVar[int]
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     properties: ClassVar[frozenset[Property]]
     linear_on_boundary: ClassVar[bool] = True
@@ -140,10 +140,10 @@ COORDINATES: dict[str, type[Coordinates]] = {}
 Kind = TypeVar("Kind", bound=type[Coordinates])
 
 
-def coordinates(kind: Kind) -> Kind:
+def register_coordinates(kind: Kind) -> Kind:
     """Class decorator that enters a kind of coordinates in `COORDINATES`."""
     COORDINATES[kind.name] = kind
-    ordered = sorted(COORDINATES.values(), key=lambda each: each.rank)
+    ordered = sorted(COORDINATES.values(), key=lambda each: each.menu_order)
     COORDINATES.clear()
     COORDINATES.update({each.name: each for each in ordered})
     return kind

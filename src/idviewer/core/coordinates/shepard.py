@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, as_points
 from idviewer.core.coordinates.mean_value import mean_value_on
-from idviewer.core.coordinates.registry import Coordinates, Property, coordinates
+from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
 from idviewer.core.shapes.shape import Shape
 
 AT_ONCE = 1 << 18
@@ -19,7 +19,7 @@ SMALLEST = 1e-12
 """Of a vertex's part of the boundary, as a share of the mean one; faces without area have no other."""
 
 
-@coordinates
+@register_coordinates
 class ShepardCoordinates(Coordinates):
     """Inverse distance weights w_i = a_i |p - v_i|^-k / sum, with k the dimension of the space.
 
@@ -44,7 +44,7 @@ class ShepardCoordinates(Coordinates):
 
     name = "shepard"
     title = "Shepard's weights"
-    rank = 30
+    menu_order = 30
     properties = frozenset(Property) - {Property.LINEAR_PRECISION}
     linear_on_boundary: ClassVar[bool] = False
     pairs_in_a_step: ClassVar[float] = 3e5

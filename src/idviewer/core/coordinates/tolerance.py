@@ -10,7 +10,7 @@ import numpy as np
 
 from idviewer.core._kernels.treecode.normalize import Target
 from idviewer.core.arrays import Floats, Ints
-from idviewer.core.coordinates.treecode import ClusterTree
+from idviewer.core.coordinates.treecode import Treecode
 
 FINEST = 5e-6
 """For smaller tolerances the exact loop over all faces is about as quick, and single precision ends."""
@@ -45,7 +45,7 @@ class ExactCoordinates(Protocol):
 class Approximation:
     """Values given at the vertices, carried to inner points within a tolerance.
 
-    Far faces act through the moments of clusters (docs/cluster_tree.md). The positions are carried along
+    Far faces act through the moments of clusters (docs/treecode.md). The positions are carried along
     with the values: how well they come back is the check of each point.
 
     Args:
@@ -56,7 +56,7 @@ class Approximation:
 
     def __init__(self, coordinates: ExactCoordinates, values: Floats, weights: Floats) -> None:
         self._coordinates, self._values, self._weights = coordinates, values, weights
-        self._trees: dict[int, tuple[ClusterTree, Ints]] = {}
+        self._trees: dict[int, tuple[Treecode, Ints]] = {}
 
     def interpolate_steps(self, points: Floats, tolerance: float) -> Generator[float, None, Floats]:
         """Values at points; yields the share done every few milliseconds.
@@ -87,12 +87,12 @@ class Approximation:
         result[left] = yield from self._coordinates.interpolate_steps(points[left], self._values)
         return result
 
-    def prepare_steps(self, tolerance: float) -> Generator[float, None, tuple[ClusterTree, Ints]]:
+    def prepare_steps(self, tolerance: float) -> Generator[float, None, tuple[Treecode, Ints]]:
         """The tree for a tolerance, and the columns it holds; built where none serves, one a power of ten."""
         power = math.floor(math.log10(tolerance) + 1e-9)
         if power not in self._trees:
             columns = self._columns_that_count(10.0**power)
-            tree = yield from ClusterTree.build_steps(
+            tree = yield from Treecode.build_steps(
                 self._coordinates.normalised_mesh,
                 self._values[:, columns],
                 self._weights[columns],

@@ -9,9 +9,9 @@ import numpy as np
 
 from idviewer.core._kernels import LANES, thread_count
 from idviewer.core._kernels.treecode.clusters import RECORD, Nodes, records_of, sum_level, sum_subtrees
-from idviewer.core._kernels.treecode.descent import Tree, descend, nearness_of
+from idviewer.core._kernels.treecode.descent import Tree, descend, opening_radii
 from idviewer.core._kernels.treecode.expansion import COEFFICIENTS, ORDER, TABLES
-from idviewer.core._kernels.treecode.factors import Factors, Plan, desks_for
+from idviewer.core._kernels.treecode.factors import Factors, Plan, factor_workspaces
 from idviewer.core._kernels.treecode.halving import halved
 from idviewer.core._kernels.treecode.leaf import leaves_of
 from idviewer.core._kernels.treecode.moments import Source
@@ -47,10 +47,10 @@ ROWS = 2**11
 """Of a table, copied between two checkpoints."""
 
 
-class ClusterTree:
+class Treecode:
     """Values at the vertices of a mesh, ready to be carried inside by mean value coordinates.
 
-    Use `build_steps`. Source: docs/cluster_tree.md.
+    Use `build_steps`. Source: docs/treecode.md.
     """
 
     def __init__(self, tree: Tree, nodes: Nodes, on_surface: float) -> None:
@@ -67,7 +67,7 @@ class ClusterTree:
         weights: Floats,
         tolerance: float,
         on_surface: float,
-    ) -> Generator[float, None, ClusterTree]:
+    ) -> Generator[float, None, Treecode]:
         """Build a tree; yields the share done every few milliseconds.
 
         Args:
@@ -118,7 +118,7 @@ class ClusterTree:
                 points[places],
                 _cuts(len(places), self._workers),
                 *self._tree,
-                *(tolerance, SHARE, self._on_surface, nearness_of(tolerance), DOUBT, bound),
+                *(tolerance, SHARE, self._on_surface, opening_radii(tolerance), DOUBT, bound),
                 *(self._room, np.zeros(1, dtype=np.int64), places, target),
             )
             yield (start + len(places)) / len(points)
@@ -150,7 +150,7 @@ def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, F
     kept = np.empty((1 << level, COEFFICIENTS, width))
     room = _room_for(FACTORS_OF_A_NODE * (2 << (source.depth - level)), width, at_once)
     largest = int(np.diff(source.first_row).max())
-    desks = desks_for(width, largest, source.depth - level + 1, at_once)
+    desks = factor_workspaces(width, largest, source.depth - level + 1, at_once)
     used, parts, total = np.empty(at_once, dtype=np.int64), [], 0
     for first in range(1 << level, 2 << level, at_once):
         sum_subtrees(source, first, level, *plan, nodes, room, desks, used, kept)

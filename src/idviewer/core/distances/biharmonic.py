@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from idviewer.core.distances.registry import distance
+from idviewer.core.distances.registry import register_distance
 from idviewer.core.distances.spectral import PowerOfEigenvalues
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class Biharmonic(PowerOfEigenvalues):
     """Biharmonic distance: the embedding is (phi_k / lambda_k)_k; it has no parameter.
@@ -26,5 +26,5 @@ class Biharmonic(PowerOfEigenvalues):
 
     name: ClassVar[str] = "biharmonic"
     title: ClassVar[str] = "Biharmonic distance"
-    rank: ClassVar[int] = 30
+    menu_order: ClassVar[int] = 30
     exponent: ClassVar[float] = -1.0

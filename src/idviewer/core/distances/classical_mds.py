@@ -46,13 +46,13 @@ def double_centred(squares: Floats) -> Floats:
     return -0.5 * (squares - rows - rows[:, None] + rows.mean())
 
 
-def scaling_steps(squares: Floats) -> Generator[None, None, Scaling]:
+def classical_mds_steps(squares: Floats) -> Generator[None, None, Scaling]:
     """Classical scaling of squared distances D (n, n): the positive part of the Gram matrix, decomposed."""
     everybody = np.arange(len(squares))
-    return (yield from landmark_scaling_steps(squares, everybody))
+    return (yield from landmark_mds_steps(squares, everybody))
 
 
-def landmark_scaling_steps(
+def landmark_mds_steps(
     squares: Floats, landmarks: Ints, negligible: float = ROUNDING
 ) -> Generator[None, None, Scaling]:
     """Classical scaling of the landmarks; the other vertices are placed by their distances to them.

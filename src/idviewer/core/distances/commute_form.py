@@ -26,7 +26,7 @@ BLOCK = 96
 """Columns of the inverse factor between two checkpoints."""
 
 
-class CommuteForm:
+class EffectiveResistance:
     """z^T L^+ z by one sparse factorisation of the grounded Laplacian and a solve for each z.
 
     Args:
@@ -62,7 +62,7 @@ class CommuteForm:
 
 
 def commute_embedding_steps(shape: Shape) -> Generator[float | None, None, Floats]:
-    """(n, n - 1) rows whose squared distances are those of `CommuteForm`; yields the share done, or None.
+    """(n, n - 1) rows whose squared distances are effective resistances; yields the share done, or None.
 
     With G = C C^T (Cholesky) the rows are the columns of C^-1, and 0 for the vertex that is left out.
     """

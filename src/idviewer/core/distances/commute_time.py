@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from idviewer.core.distances.commute_form import CommuteForm, commute_embedding_steps
-from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, distance
+from idviewer.core.distances.commute_form import EffectiveResistance, commute_embedding_steps
+from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, register_distance
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 
@@ -14,7 +14,7 @@ LARGEST = 4000
 """Vertices of an embedding without truncation: 10 s, 0.5 GB with the kernels' copy, 5 ms a sample."""
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class CommuteTime(Distance):
     """Commute-time distance without truncation: d^2 = z^T L^+ z with z = w(p) - w(q); it has no parameter.
@@ -27,7 +27,7 @@ class CommuteTime(Distance):
 
     name: ClassVar[str] = "commute"
     title: ClassVar[str] = "Commute-time distance"
-    rank: ClassVar[int] = 15
+    menu_order: ClassVar[int] = 15
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
         """Rows of the inverse Cholesky factor of the Laplacian."""
@@ -39,6 +39,6 @@ class CommuteTime(Distance):
         )
         return Basis((yield from commute_embedding_steps(shape)))
 
-    def form(self, shape: Shape) -> CommuteForm:
+    def form(self, shape: Shape) -> EffectiveResistance:
         """Sparse solves."""
-        return CommuteForm(shape)
+        return EffectiveResistance(shape)

@@ -10,14 +10,14 @@ import numpy as np
 
 from idviewer.core.arrays import Floats
 from idviewer.core.distances.parameters import Number, positive
-from idviewer.core.distances.registry import distance
+from idviewer.core.distances.registry import register_distance
 from idviewer.core.distances.spectral import Spectral, needed, percentage
 from idviewer.core.spectrum.eigen_solver import SMALLEST_KEPT, Spectrum, paper_cutoff, paper_time
 
 TIME = Number("Time", "how long heat flows, in the shape's unit squared", "t", paper_time, (1 / 8, 64.0))
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class Diffusion(Spectral):
     """Diffusion distance: the embedding is the diffusion map (exp(-lambda_k t) phi_k)_k.
@@ -36,7 +36,7 @@ class Diffusion(Spectral):
 
     name: ClassVar[str] = "diffusion"
     title: ClassVar[str] = "Diffusion distance"
-    rank: ClassVar[int] = 10
+    menu_order: ClassVar[int] = 10
 
     time: float | None = field(default=None, metadata={"parameter": TIME})
 

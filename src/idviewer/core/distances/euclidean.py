@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.registry import Distance, distance
+from idviewer.core.distances.registry import Distance, register_distance
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class Euclidean(Distance):
     """Straight-line distance: the vertices are their own embedding, so the interior reproduces |p - q|.
@@ -21,7 +21,7 @@ class Euclidean(Distance):
 
     name: ClassVar[str] = "euclidean"
     title: ClassVar[str] = "Euclidean distance"
-    rank: ClassVar[int] = 80
+    menu_order: ClassVar[int] = 80
 
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
         """The vertices, about the middle of the bounding box to keep their digits."""

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from idviewer.core.distances.classical_mds import ROUNDING, landmark_scaling_steps
+from idviewer.core.distances.classical_mds import ROUNDING, landmark_mds_steps
 from idviewer.core.distances.geodesics import Geodesics, landmark_steps
 from idviewer.core.distances.parameters import Choice, Integer
-from idviewer.core.distances.registry import Basis, Distance, Steps, distance
+from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.distances.spectral import percentage
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
@@ -27,7 +27,7 @@ METHODS = (("heat", "Heat method"), ("exact", "Exact (slow)"))
 METHOD = Choice("Method", "how geodesics are computed on meshes", METHODS)
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class Geodesic(Distance):
     """Geodesic distance along the boundary, embedded as well as it can be (class 3).
@@ -49,7 +49,7 @@ class Geodesic(Distance):
 
     name: ClassVar[str] = "geodesic"
     title: ClassVar[str] = "Geodesic distance"
-    rank: ClassVar[int] = 50
+    menu_order: ClassVar[int] = 50
 
     landmarks: int | None = field(default=None, metadata={"parameter": LANDMARKS})
     method: str = field(default="heat", metadata={"parameter": METHOD})
@@ -78,7 +78,7 @@ class Geodesic(Distance):
         among = distances[chosen]
         distances[chosen] = 0.5 * (among + among.T)  # the heat method is not quite symmetric
         negligible = ROUNDING if len(chosen) == count else NOISE
-        scaling = yield from landmark_scaling_steps(np.square(distances), chosen, negligible)
+        scaling = yield from landmark_mds_steps(np.square(distances), chosen, negligible)
         taken = "all pairs" if len(chosen) == count else f"{len(chosen)} landmarks"
         return Basis(
             scaling.embedding, f"{taken}, {percentage(scaling.discarded)} of the Gram matrix left out"

@@ -15,7 +15,7 @@ from idviewer.core.errors import DistanceError
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class ArrayInput:
     """An array that compares by identity, so that what holds it can be compared and hashed."""
 
     array: Floats
@@ -24,18 +24,18 @@ class Held:
         return f"<array {self.array.shape}>"
 
 
-Given = str | Held | None
+Given = str | ArrayInput | None
 
 
-def given(value: str | PathLike[str] | ArrayLike | Held | None) -> Given:
+def given(value: str | PathLike[str] | ArrayLike | ArrayInput | None) -> Given:
     """A path as text, or an array held; it is looked at only when it is needed."""
-    if value is None or isinstance(value, Held):
+    if value is None or isinstance(value, ArrayInput):
         return value
     if isinstance(value, str | PathLike):
         return str(value)
     array = np.array(value)
     array.setflags(write=False)
-    return Held(array)
+    return ArrayInput(array)
 
 
 def matrix_of(value: Given, rows: int, what: str) -> Floats:

@@ -11,10 +11,10 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.classical_mds import scaling_steps
-from idviewer.core.distances.given_arrays import Held, given, matrix_of
+from idviewer.core.distances.classical_mds import classical_mds_steps
+from idviewer.core.distances.given_arrays import ArrayInput, given, matrix_of
 from idviewer.core.distances.parameters import Choice, File
-from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, distance
+from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, register_distance
 from idviewer.core.distances.spectral import percentage
 from idviewer.core.errors import DistanceError
 from idviewer.core.shapes.shape import Shape
@@ -34,7 +34,7 @@ LARGEST = 4000
 """Vertices: the eigenvalues of so large a matrix take up to two minutes, and 1.6 GB."""
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class GivenDistances(Distance):
     """Any distances between the vertices, given as a matrix.
@@ -51,9 +51,11 @@ class GivenDistances(Distance):
 
     name: ClassVar[str] = "matrix"
     title: ClassVar[str] = "Given distances"
-    rank: ClassVar[int] = 60
+    menu_order: ClassVar[int] = 60
 
-    matrix: str | PathLike[str] | Floats | Held | None = field(default=None, metadata={"parameter": MATRIX})
+    matrix: str | PathLike[str] | Floats | ArrayInput | None = field(
+        default=None, metadata={"parameter": MATRIX}
+    )
     fit: str = field(default="exact", metadata={"parameter": FIT})
 
     def __post_init__(self) -> None:
@@ -80,7 +82,7 @@ class GivenDistances(Distance):
         """The embedding of the distances."""
         check_size(shape, LARGEST, "a matrix of distances", "take a shape of fewer vertices")
         yield 0.0
-        scaling = yield from scaling_steps(self.squares(shape))
+        scaling = yield from classical_mds_steps(self.squares(shape))
         if scaling.most_negative < -EMBEDS:
             if self.fit == "exact":
                 share = percentage(-scaling.most_negative)

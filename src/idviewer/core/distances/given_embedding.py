@@ -10,16 +10,16 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.given_arrays import Held, given, matrix_of
+from idviewer.core.distances.given_arrays import ArrayInput, given, matrix_of
 from idviewer.core.distances.parameters import File
-from idviewer.core.distances.registry import Basis, Distance, Steps, distance
+from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 
 EMBEDDING = File("Embedding", "the embedded vertices", content="one row of coordinates for each vertex")
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class GivenEmbedding(Distance):
     """The distance of an embedding of the vertices, used as it is.
@@ -38,9 +38,9 @@ class GivenEmbedding(Distance):
 
     name: ClassVar[str] = "embedding"
     title: ClassVar[str] = "Given embedding"
-    rank: ClassVar[int] = 70
+    menu_order: ClassVar[int] = 70
 
-    embedding: str | PathLike[str] | Floats | Held | None = field(
+    embedding: str | PathLike[str] | Floats | ArrayInput | None = field(
         default=None, metadata={"parameter": EMBEDDING}
     )
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from idviewer.core.distances.registry import distance
+from idviewer.core.distances.registry import register_distance
 from idviewer.core.distances.spectral import PowerOfEigenvalues
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class GPS(PowerOfEigenvalues):
     """Distance of the global point signatures (lambda_k^(-1/2) phi_k)_k; it has no parameter.
@@ -28,5 +28,5 @@ class GPS(PowerOfEigenvalues):
 
     name: ClassVar[str] = "gps"
     title: ClassVar[str] = "GPS / truncated commute time"
-    rank: ClassVar[int] = 20
+    menu_order: ClassVar[int] = 20
     exponent: ClassVar[float] = -0.5

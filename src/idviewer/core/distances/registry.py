@@ -50,7 +50,7 @@ class Distance:
     Attributes:
         name: for the command line.
         title: for menus.
-        rank: place in menus.
+        menu_order: place in menus.
         dimensions: of the shapes that it works on.
         spectral: whether it needs eigenpairs.
     """
@@ -58,7 +58,7 @@ class Distance:
     __dataclass_fields__: ClassVar[dict[str, Any]]
     name: ClassVar[str]
     title: ClassVar[str]
-    rank: ClassVar[int] = 1000
+    menu_order: ClassVar[int] = 1000
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     spectral: ClassVar[bool] = False
 
@@ -101,12 +101,12 @@ DISTANCES: dict[str, type[Distance]] = {}
 """Every distance by its name, in the order of menus."""
 
 
-def distance(kind: Registered) -> Registered:
+def register_distance(kind: Registered) -> Registered:
     """Enters a class into `DISTANCES`; to be written above `@dataclass(frozen=True)`."""
     if kind.name in DISTANCES and DISTANCES[kind.name].__qualname__ != kind.__qualname__:
         raise ValueError(f"there are two distances with the name {kind.name!r}")
     DISTANCES[kind.name] = kind
-    ranked = sorted(DISTANCES.values(), key=lambda one: (one.rank, one.name))
+    ranked = sorted(DISTANCES.values(), key=lambda one: (one.menu_order, one.name))
     DISTANCES.clear()
     DISTANCES.update((one.name, one) for one in ranked)
     return kind
@@ -181,13 +181,13 @@ def with_defaults(distance: Distance) -> Distance:
     return replace(distance, **{name: None for name, one in parameters_of(distance).items() if one.of_shape})
 
 
-def made(name: str, values: Mapping[str, Any]) -> Distance:
+def distance_from(name: str, values: Mapping[str, Any]) -> Distance:
     """The distance of that name with those values of its parameters.
 
     Raises:
         ValueError: there is no such distance, or it has no such parameter.
 
-    >>> made("diffusion", {"time": 2.0})
+    >>> distance_from("diffusion", {"time": 2.0})
     Diffusion(time=2.0)
     """
     if name not in DISTANCES:

@@ -11,7 +11,7 @@ import numpy as np
 from idviewer.core.arrays import Floats
 from idviewer.core.distances.expressions import Expression
 from idviewer.core.distances.parameters import Formula
-from idviewer.core.distances.registry import distance
+from idviewer.core.distances.registry import register_distance
 from idviewer.core.distances.spectral import Spectral, needed, percentage
 from idviewer.core.errors import DistanceError
 from idviewer.core.spectrum.eigen_solver import Spectrum
@@ -23,7 +23,7 @@ TOLD = 1e-6
 """Left-out modes that weigh less are not worth a word; as in the paper's appendix."""
 
 
-@distance
+@register_distance
 @dataclass(frozen=True)
 class SpectralFilter(Spectral):
     """The embedding is (f(lambda_k) phi_k)_k, with any f that is finite and not negative.
@@ -46,7 +46,7 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
 
     name: ClassVar[str] = "filter"
     title: ClassVar[str] = "Spectral filter"
-    rank: ClassVar[int] = 40
+    menu_order: ClassVar[int] = 40
 
     filter: str | Callable[[Floats], Floats] = field(default=HEAT, metadata={"parameter": FILTER})
 

@@ -55,7 +55,7 @@ class Barycentroid:
 
 
 def barycentroid_steps(
-    shape: Shape, potential: Evaluate, last_radius: float = LAST_RADIUS, scout: Evaluate | None = None
+    shape: Shape, potential: Evaluate, last_radius: float = LAST_RADIUS, surrogate: Evaluate | None = None
 ) -> Generator[float | None, None, Barycentroid]:
     """Find the barycentroid; yields the share done, or None, every few milliseconds.
 
@@ -74,15 +74,15 @@ def barycentroid_steps(
         ShapeError: no point inside could be found (a MeshError or a PolygonError).
     """
     samples = yield from interior_sample_steps(shape)
-    values = yield from (scout or potential)(samples)
+    values = yield from (surrogate or potential)(samples)
     inside = np.isfinite(values)
     if not inside.any():
         kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
         raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
     paths = [point[None] for point in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal)]
     radius = START_RADIUS * shape.diagonal
-    if scout is not None:
-        scouted = yield from _descents(scout, paths, radius, SCOUTED_RADIUS * shape.diagonal)
+    if surrogate is not None:
+        scouted = yield from _descents(surrogate, paths, radius, SCOUTED_RADIUS * shape.diagonal)
         if scouted[0].potential > SURE * values[inside].max():
             paths, radius = [end.path for end in scouted], SCOUTED_RADIUS * shape.diagonal
     return (yield from _descents(potential, paths, radius, last_radius * shape.diagonal))[0]

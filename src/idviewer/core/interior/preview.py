@@ -17,7 +17,7 @@ from idviewer.core.distances import Distance
 from idviewer.core.interior.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.interior.equations import extent
 from idviewer.core.interior.solver import InteriorDistance
-from idviewer.core.shapes.closest_points import Ground
+from idviewer.core.shapes.closest_points import ClosestPointProjection
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.shapes.simplification import Simplified, simplification_steps
@@ -82,9 +82,9 @@ class Preview:
     gap: float
 
     @cached_property
-    def ground(self) -> Ground:
+    def ground(self) -> ClosestPointProjection:
         """Where points are landed."""
-        return Ground(self.small.mesh)
+        return ClosestPointProjection(self.small.mesh)
 
     @cached_property
     def spectrum(self) -> Spectrum:
@@ -117,7 +117,7 @@ class Preview:
     def carrier(self, vertices: Ints | None = None) -> csr_array:
         """(v, c) from values at the simplified mesh's vertices to those at some or all of the full one's."""
         chosen = np.arange(len(self.full.vertices)) if vertices is None else vertices
-        landings = self.ground.land(self.full.vertices[chosen], self.small.heirs[chosen])
+        landings = self.ground.project(self.full.vertices[chosen], self.small.parents[chosen])
         return landings.matrix(self.small.mesh)
 
     def carried(self) -> Spectrum:
@@ -165,7 +165,10 @@ def preview_steps(mesh: Mesh, cutoff: Callable[[float], float]) -> Steps:
     fewer = yield from _telling(COARSE, simplification_steps(small.mesh, FEWER))
     most = COARSER_VALUES * float(wide.values[-1])
     coarse = yield from _telling(COARSE, eigenpair_steps(fewer.mesh, lambda _: most))
-    landings, count = Ground(fewer.mesh).land(small.mesh.vertices, fewer.heirs), len(wide.values)
+    landings, count = (
+        ClosestPointProjection(fewer.mesh).project(small.mesh.vertices, fewer.parents),
+        len(wide.values),
+    )
     coarser = replace(
         coarse,
         values=coarse.values[:count],
@@ -243,19 +246,19 @@ class PreviewDistance(InteriorDistance):
         rows = yield from super().sample_steps(points, 0.0)
         missing = np.flatnonzero(~np.isfinite(rows).all(axis=1))
         if len(missing):
-            matrix = self.preview.ground.land(points[missing]).matrix(self.shape)  # type: ignore[arg-type]
+            matrix = self.preview.ground.project(points[missing]).matrix(self.shape)  # type: ignore[arg-type]
             off = np.linalg.norm(matrix @ self.shape.vertices - points[missing], axis=1)
             near = off <= SLACK * self.preview.gap
             rows[missing[near]] = (matrix @ self.basis)[near]
         return rows
 
     def barycentroid_steps(
-        self, scout: Evaluate | None = None
+        self, surrogate: Evaluate | None = None
     ) -> Generator[float | None, None, Barycentroid]:
         """As of `InteriorDistance`, to within a thousandth of the diagonal."""
-        return barycentroid_steps(self.shape, self.potential_steps, LAST_RADIUS, scout)
+        return barycentroid_steps(self.shape, self.potential_steps, LAST_RADIUS, surrogate)
 
     def keeps_inside(self, point: ArrayLike) -> bool:
         """Whether a point inside the simplified mesh is safely inside the full one."""
-        landed = self.preview.ground.land([point]).matrix(self.shape) @ self.shape.vertices  # type: ignore[arg-type]
+        landed = self.preview.ground.project([point]).matrix(self.shape) @ self.shape.vertices  # type: ignore[arg-type]
         return math.dist(landed[0], point) > SLACK * self.preview.gap  # type: ignore[arg-type]

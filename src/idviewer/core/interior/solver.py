@@ -40,7 +40,7 @@ class InteriorDistance(EmbeddedBoundary):
         distance: the boundary distance, the diffusion distance by default.
         coordinates: the name of the barycentric coordinates.
         rtol: largest error of distances between embedded points, as a share of the largest boundary
-            distance; 0 is exact, and so are coordinates without an approximation. See docs/cluster_tree.md.
+            distance; 0 is exact, and so are coordinates without an approximation. See docs/treecode.md.
         spectrum: eigenpairs computed before, to save computing them again.
 
     Raises:
@@ -302,11 +302,11 @@ class InteriorDistance(EmbeddedBoundary):
         return finish(self.barycentroid_steps())
 
     def barycentroid_steps(
-        self, scout: Evaluate | None = None
+        self, surrogate: Evaluate | None = None
     ) -> Generator[float | None, None, Barycentroid]:
         """`barycentroid` as a generator that yields every few milliseconds.
 
         Args:
             scout: see `idviewer.core.interior.barycentroid`.
         """
-        return barycentroid_steps(self.shape, self.potential_steps, scout=scout)
+        return barycentroid_steps(self.shape, self.potential_steps, surrogate=surrogate)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError
-from idviewer.core.validation.polygon_soup import Polygons, strips
+from idviewer.core.validation.polygon_soup import PolygonSoup, strips
 from idviewer.core.validation.repairs import compacted
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -35,7 +35,7 @@ _HARMLESS = (
 )
 
 
-def read_glb(data: bytes) -> Polygons:
+def read_glb(data: bytes) -> PolygonSoup:
     """Polygons of a GLB file."""
     if data[:4] != b"glTF" or len(data) < 12:
         raise UnreadableError("it does not begin with glTF")
@@ -57,7 +57,7 @@ def read_glb(data: bytes) -> Polygons:
     return _Document(_json(chunks[b"JSON"]), chunks.get(b"BIN\0"), None).polygons()
 
 
-def read_gltf(data: bytes, folder: Path | None = None) -> Polygons:
+def read_gltf(data: bytes, folder: Path | None = None) -> PolygonSoup:
     """Polygons of a glTF file; its buffers are looked for in `folder` and below, nowhere else."""
     return _Document(_json(data), None, folder).polygons()
 
@@ -77,7 +77,7 @@ class _Document:
     chunk: bytes | None
     folder: Path | None
 
-    def polygons(self) -> Polygons:
+    def polygons(self) -> PolygonSoup:
         """All triangles of the scene that is shown first; of all root nodes if there is no scene."""
         if not isinstance(self.tree, dict) or "asset" not in self.tree:
             raise UnreadableError("it is no glTF document")
@@ -87,9 +87,9 @@ class _Document:
             if not str(extension).startswith(_HARMLESS):
                 raise UnreadableError(f"it needs the extension {extension}, which is not supported")
         self.buffers = [self.buffer(index) for index in range(len(self.tree.get("buffers", [])))]
-        self.parts: list[Polygons] = []
+        self.parts: list[PolygonSoup] = []
         self.place(self.roots())
-        return Polygons.joined(self.parts)
+        return PolygonSoup.joined(self.parts)
 
     def roots(self) -> list[int]:
         scenes, nodes = self.tree.get("scenes", []), self.tree.get("nodes", [])
@@ -114,7 +114,7 @@ class _Document:
                     self.parts += self.primitive(primitive, matrix)
             waiting += [(child, matrix) for child in reversed(node.get("children", []))]
 
-    def primitive(self, primitive: dict[str, Any], matrix: Floats) -> list[Polygons]:
+    def primitive(self, primitive: dict[str, Any], matrix: Floats) -> list[PolygonSoup]:
         """One list, strip or fan of triangles; none for points and lines."""
         mode = primitive.get("mode", _TRIANGLES)
         if mode not in (_TRIANGLES, _STRIP, _FAN):
@@ -133,7 +133,7 @@ class _Document:
         if triangles.size and triangles.min() >= 0 and triangles.max() < len(points):
             # Primitives share one set of points; those of the others are none of this one's.
             points, triangles = compacted(points, triangles)
-        return [Polygons(points, triangles.ravel(), np.full(len(triangles), 3))]
+        return [PolygonSoup(points, triangles.ravel(), np.full(len(triangles), 3))]
 
     def accessor(self, index: int) -> NDArray:
         """(count, width) values; sparse ones filled in, normalised integers as numbers of -1 .. 1."""

@@ -17,10 +17,10 @@ from idviewer.core.io.vtp import read_vtp
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnosis_of
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.repair import mended
-from idviewer.core.validation.mesh_checks import examine
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.mesh_checks import validate
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
-_READERS: dict[str, Callable[[bytes], Polygons]] = {
+_READERS: dict[str, Callable[[bytes], PolygonSoup]] = {
     ".off": read_off,
     ".obj": read_obj,
     ".ply": read_ply,
@@ -58,10 +58,10 @@ def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
     Raises:
         MeshError: there is no such file, or it cannot be read, or it is damaged.
     """
-    return diagnosis_of(examine(_polygons(Path(path))))
+    return diagnosis_of(validate(_polygons(Path(path))))
 
 
-def _polygons(path: Path) -> Polygons:
+def _polygons(path: Path) -> PolygonSoup:
     """What the file holds, unchecked."""
     try:
         data = bytes_of(path, "mesh", "cannot be read", READABLE_SUFFIXES)
@@ -70,7 +70,7 @@ def _polygons(path: Path) -> Polygons:
     return _parsed(path, path.suffix.lower(), data)
 
 
-def _parsed(path: Path, suffix: str, data: bytes) -> Polygons:
+def _parsed(path: Path, suffix: str, data: bytes) -> PolygonSoup:
     kind = {".gltf": "glTF"}.get(suffix, suffix[1:].upper())
     try:
         return read_gltf(data, path.parent) if suffix == ".gltf" else _READERS[suffix](data)

@@ -6,13 +6,13 @@ import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError, floats, integers, text_lines
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 _VERTEX = (b"v ", b"v\t")
 _FACE = (b"f ", b"f\t")
 
 
-def read_obj(data: bytes) -> Polygons:
+def read_obj(data: bytes) -> PolygonSoup:
     """Polygons of an OBJ file, of all its objects and groups together."""
     if b"\\" in data:
         data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
@@ -26,7 +26,7 @@ def read_obj(data: bytes) -> Polygons:
     corners, sizes = _corners(faces)
     if len(corners) and corners.min() < 0:
         corners = _absolute(corners, sizes, lines)
-    return Polygons(_points(points), corners - 1, sizes)
+    return PolygonSoup(_points(points), corners - 1, sizes)
 
 
 def _points(lines: list[bytes]) -> Floats:

@@ -8,12 +8,12 @@ import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError, floats, integers, missing, text_lines
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 _HEADER = re.compile(rb"\s*(ST)?(C)?(N)?(4)?(n)?OFF\b\s*(BINARY\b)?(.*)", re.DOTALL)
 
 
-def read_off(data: bytes) -> Polygons:
+def read_off(data: bytes) -> PolygonSoup:
     """Polygons of an OFF file. Normals, colours and texture coordinates are passed over."""
     lines = _without_header(data)
     counts = integers(lines[0].split()[:3])
@@ -25,7 +25,7 @@ def read_off(data: bytes) -> Polygons:
         raise missing("vertices", points, len(lines))
     if len(lines) != points + faces:
         raise missing("faces", faces, len(lines) - points)
-    return Polygons(_points(lines[:points]), *_polygons(lines[points:]))
+    return PolygonSoup(_points(lines[:points]), *_polygons(lines[points:]))
 
 
 def _points(lines: list[bytes]) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError, floats, missing
-from idviewer.core.validation.polygon_soup import Polygons, concatenated, strips
+from idviewer.core.validation.polygon_soup import PolygonSoup, concatenated, strips
 
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -62,7 +62,7 @@ class Element:
     properties: list[Property] = field(default_factory=list)
 
 
-def read_ply(data: bytes) -> Polygons:
+def read_ply(data: bytes) -> PolygonSoup:
     """Polygons of a PLY file: its elements vertex, face and tristrips."""
     order, elements, body = _header(data)
     if order == "":
@@ -76,7 +76,7 @@ def read_ply(data: bytes) -> Polygons:
     faces = _indices(columns.get("face", {}))
     triangles = [_strips(*column) for column in _indices(columns.get("tristrips", {}))]
     corners, sizes = zip((np.empty(0, np.int64),) * 2, *faces, *triangles, strict=True)
-    return Polygons(vertices, concatenated(corners), concatenated(sizes))
+    return PolygonSoup(vertices, concatenated(corners), concatenated(sizes))
 
 
 def _as_binary(elements: list[Element], text: bytes) -> bytes:

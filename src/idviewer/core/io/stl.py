@@ -8,7 +8,7 @@ import numpy as np
 
 from idviewer.core.arrays import Floats
 from idviewer.core.io.text import UnreadableError, floats, missing
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("attribute", "<u2")])
 _FACET = b"facet normal . . . outer loop vertex . . . vertex . . . vertex . . . endloop endfacet".split()
@@ -16,7 +16,7 @@ _WORDS = [place for place, word in enumerate(_FACET) if word != b"."]
 _NUMBERS = [place for place in range(7, 20) if _FACET[place] == b"."]
 
 
-def read_stl(data: bytes) -> Polygons:
+def read_stl(data: bytes) -> PolygonSoup:
     """Triangles of an STL file, of all its solids together."""
     announced = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     if len(data) == 84 + announced * _TRIANGLE.itemsize:
@@ -28,7 +28,7 @@ def read_stl(data: bytes) -> Polygons:
     else:
         raise missing("triangles", announced, (len(data) - 84) // _TRIANGLE.itemsize)
     count = len(points)
-    return Polygons(points.reshape(-1, 3), np.arange(3 * count), np.full(count, 3))
+    return PolygonSoup(points.reshape(-1, 3), np.arange(3 * count), np.full(count, 3))
 
 
 def _is_text(data: bytes) -> bool:

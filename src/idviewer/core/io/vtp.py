@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from idviewer.core.arrays import Ints
 from idviewer.core.io.text import UnreadableError, floats, missing
-from idviewer.core.validation.polygon_soup import Polygons, concatenated, strips
+from idviewer.core.validation.polygon_soup import PolygonSoup, concatenated, strips
 
 _TYPES = {
     f"{kind}{bits}": f"{code}{bits // 8}"
@@ -34,13 +34,13 @@ _DECOMPRESSORS: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
-def read_vtp(data: bytes) -> Polygons:
+def read_vtp(data: bytes) -> PolygonSoup:
     """Polygons of a .vtp file, of all its pieces together; points and lines are passed over."""
     file = _File(data)
-    return Polygons.joined([_piece(file, piece) for piece in file.root.iterfind("PolyData/Piece")])
+    return PolygonSoup.joined([_piece(file, piece) for piece in file.root.iterfind("PolyData/Piece")])
 
 
-def _piece(file: _File, piece: ET.Element) -> Polygons:
+def _piece(file: _File, piece: ET.Element) -> PolygonSoup:
     element = piece.find("Points/DataArray")
     points = np.empty(0) if element is None else file.values(element)
     announced = int(piece.get("NumberOfPoints", 0))
@@ -49,7 +49,7 @@ def _piece(file: _File, piece: ET.Element) -> Polygons:
     corners, sizes = _cells(file, piece, "Polys")
     triangles = [strips(strip).ravel() for strip in np.split(*_ends(_cells(file, piece, "Strips")))]
     turned = concatenated(triangles)
-    return Polygons(
+    return PolygonSoup(
         np.array(points, dtype=np.float64).reshape(-1, 3),
         concatenated([corners, turned]),
         concatenated([sizes, np.full(len(turned) // 3, 3)]),

@@ -15,7 +15,7 @@ STEEP = 0.15
 
 
 @dataclass(frozen=True, eq=False)
-class Middles:
+class EdgeMidpoints:
     """Middles of edges.
 
     Attributes:
@@ -28,14 +28,14 @@ class Middles:
     rows: Floats
     expected: Floats
 
-    def at(self, chosen: Ints) -> Middles:
+    def at(self, chosen: Ints) -> EdgeMidpoints:
         """Some of them."""
-        return Middles(self.ends[chosen], self.rows[chosen], self.expected[chosen])
+        return EdgeMidpoints(self.ends[chosen], self.rows[chosen], self.expected[chosen])
 
 
 def interpolated(
-    mesh: SliceMesh, ends: Ints, rows: Floats, telling: Floats, linear_outline: bool = True
-) -> Middles:
+    mesh: SliceMesh, ends: Ints, rows: Floats, significant_columns: Floats, linear_outline: bool = True
+) -> EdgeMidpoints:
     """The basis in the middles of edges, from its values at the mesh's points.
 
     Between two nodes it is a quadratic or cubic polynomial along the lattice's line through them, as far as
@@ -53,11 +53,11 @@ def interpolated(
     middle, steep = 0.0 - bend, bend.copy()
     middle[:, :2] += 0.5
     steep[~lattice, :2] = STEEP, -STEEP
-    expected = np.linalg.norm(combined(points, steep, telling), axis=1)
+    expected = np.linalg.norm(combined(points, steep, significant_columns), axis=1)
     if linear_outline:
         expected[_on_outline(mesh, ends)] = 0.0
     expected[np.isnan(expected)] = 0.0  # beside a point without a value there is nothing to be improved
-    return Middles(ends, combined(points, middle, rows), expected)
+    return EdgeMidpoints(ends, combined(points, middle, rows), expected)
 
 
 def combined(points: Ints, coefficients: Floats, rows: Floats) -> Floats:

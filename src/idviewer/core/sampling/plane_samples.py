@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
-from idviewer.core.sampling.edge_midpoints import Middles, interpolated
-from idviewer.core.sampling.point_norms import Cloud
-from idviewer.core.sampling.sample_store import KeptRows
+from idviewer.core.sampling.edge_midpoints import EdgeMidpoints, interpolated
+from idviewer.core.sampling.point_norms import PointNorms
+from idviewer.core.sampling.sample_store import SampleStore
 from idviewer.core.sampling.sampler import COARSE, FINE, Sampler
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.plane import Plane
@@ -68,7 +68,7 @@ class SampledSlice:
     points: Floats
     triangles: NDArray[np.int32]
     outline: tuple[NDArray[np.int32], ...]
-    cloud: Cloud
+    cloud: PointNorms
     probed_error: Floats
     rtol: float
     final: bool
@@ -95,7 +95,7 @@ class PlaneSamples:
         self.levels = self._lattices if sampler.exact_always else self._lattices + 1
         self._linear = sampler.solver.coordinates.linear_on_boundary
         self._outlined = self._linear
-        self._kept = KeptRows(0.0, self._outline_rows.shape[1])
+        self._kept = SampleStore(0.0, self._outline_rows.shape[1])
         self._done: tuple[int, SampledSlice] | None = None
         self._making: tuple[int, Steps] | None = None
 
@@ -142,7 +142,7 @@ class PlaneSamples:
         yield
         rtol = 0.0 if exact else self._sampler.tolerance(COARSE if level < 2 else FINE, self._outline_rows)
         if rtol != self._kept.rtol:
-            self._kept = KeptRows(rtol, self._outline_rows.shape[1])
+            self._kept = SampleStore(rtol, self._outline_rows.shape[1])
         inner = yield from self._rows_at(mesh.nodes, lattice)
         rows = np.concatenate([self._outline_rows, inner])
         yield
@@ -150,7 +150,7 @@ class PlaneSamples:
             return (yield from self._refined(mesh, rows))
         made = yield from self._with_band(mesh, rows, lattice, exact)
         if exact:
-            self._kept = KeptRows(0.0, rows.shape[1])
+            self._kept = SampleStore(0.0, rows.shape[1])
         return made
 
     def _outline(self) -> Generator[None, None, None]:
@@ -172,7 +172,9 @@ class PlaneSamples:
             self._kept.add(keys[missing], (yield from self._sample(self.section.lift(points[missing]))))
         return self._kept.rows(keys)
 
-    def _rows_between(self, mesh: SliceMesh, middles: Middles, level: int) -> Generator[None, None, Floats]:
+    def _rows_between(
+        self, mesh: SliceMesh, middles: EdgeMidpoints, level: int
+    ) -> Generator[None, None, Floats]:
         """The basis sampled in middles of edges; where rounding puts one outside, what was interpolated."""
         keys = self._keys_between(mesh, middles.ends, level)
         rows = yield from self._rows_of(keys, _middle(mesh, middles.ends))
@@ -195,7 +197,7 @@ class PlaneSamples:
     def _refined(self, mesh: SliceMesh, rows: Floats) -> Steps:
         """The mesh with the middles of all edges added, sampled where they matter, elsewhere interpolated."""
         ends, sides = edges_of(len(rows), mesh.triangles)
-        middles = interpolated(mesh, ends, rows, self._sampler.telling(rows), self._linear)
+        middles = interpolated(mesh, ends, rows, self._sampler.significant_columns(rows), self._linear)
         yield
         chosen = _worst_and_some(_around(middles.expected, sides) * _lengths(mesh, ends))
         sampled = yield from self._rows_between(mesh, middles.at(chosen), 0)
@@ -212,7 +214,7 @@ class PlaneSamples:
         band = mesh.triangles[in_band]
         ends, sides = edges_of(len(rows), band)
         steep = np.flatnonzero(ends[:, 0] < len(self._outline_rows))
-        middles = interpolated(mesh, ends[steep], rows, self._sampler.telling(rows), self._linear)
+        middles = interpolated(mesh, ends[steep], rows, self._sampler.significant_columns(rows), self._linear)
         order = np.argsort(-middles.expected, kind="stable")[: int(BAND_SHARE * len(mesh.nodes))]
         chosen = np.sort(order[middles.expected[order] > 0.0])
         added = middles.at(chosen)
@@ -224,12 +226,18 @@ class PlaneSamples:
         return self._shown(mesh, rows, added, triangles, np.empty((0, rows.shape[1])), final)
 
     def _shown(
-        self, mesh: SliceMesh, rows: Floats, middles: Middles, triangles: Ints32, errors: Floats, final: bool
+        self,
+        mesh: SliceMesh,
+        rows: Floats,
+        middles: EdgeMidpoints,
+        triangles: Ints32,
+        errors: Floats,
+        final: bool,
     ) -> SampledSlice:
         points = np.concatenate([mesh.points, self.section.lift(_middle(mesh, middles.ends))])
         loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
         points, triangles, rows = _with_values(points, triangles, np.concatenate([rows, middles.rows]))
-        return SampledSlice(points, triangles, loops, Cloud(rows), errors, self._kept.rtol, final)
+        return SampledSlice(points, triangles, loops, PointNorms(rows), errors, self._kept.rtol, final)
 
 
 def _section(shape: Shape, plane: Plane) -> tuple[Section, float]:

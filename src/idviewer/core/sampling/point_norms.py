@@ -27,7 +27,7 @@ ROWS_AT_A_TIME = 2048
 """Small enough for the scaled rows to stay in the processor's cache."""
 
 
-class Cloud:
+class PointNorms:
     """Rows of a basis whose images, rows * scale, are measured from one point after another.
 
     What does not depend on that point is kept, so that another one costs a single product.
@@ -35,7 +35,7 @@ class Cloud:
     Args:
         rows: (p, k).
 
-    >>> Cloud(np.array([[3.0, 2.0]])).distances(np.array([1.0, 2.0])).tolist()
+    >>> PointNorms(np.array([[3.0, 2.0]])).distances(np.array([1.0, 2.0])).tolist()
     [5.0]
     """
 
@@ -67,7 +67,7 @@ class Cloud:
         return np.sqrt(result)
 
 
-class Reach:
+class MaxNorm:
     """The same of rows of which only the farthest is asked for.
 
     Candidates are found in single precision, their distances computed in double.
@@ -75,7 +75,7 @@ class Reach:
     Args:
         rows: (p, k).
 
-    >>> Reach(np.array([[3.0, 2.0], [1.0, 1.0]])).farthest(np.array([1.0, 2.0]))
+    >>> MaxNorm(np.array([[3.0, 2.0], [1.0, 1.0]])).farthest(np.array([1.0, 2.0]))
     5.0
     """
 

@@ -7,14 +7,14 @@ import numpy as np
 from idviewer.core.arrays import Bools, Floats, Ints
 
 
-class KeptRows:
+class SampleStore:
     """Rows sampled at points of a plane within one tolerance, by the points' keys.
 
     Args:
         rtol: the tolerance.
         columns: of a row.
 
-    >>> kept = KeptRows(0.0, 1)
+    >>> kept = SampleStore(0.0, 1)
     >>> kept.add(np.array([7, 3]), np.array([[0.7], [0.3]]))
     >>> kept.rows(np.array([3, 7])).ravel().tolist(), kept.has(np.array([3, 4])).tolist()
     ([0.3, 0.7], [True, False])

@@ -12,7 +12,7 @@ from idviewer.core.arrays import Floats, in_space
 from idviewer.core.distances import DISTANCES, Distance, Number, parameters_of
 from idviewer.core.interior.barycentroid import Evaluate
 from idviewer.core.interior.solver import InteriorDistance
-from idviewer.core.memory import give_back
+from idviewer.core.memory import release_free_memory
 
 QUICK_FACES = 4000
 """On shapes up to so large, sampling exactly takes no longer than within a tolerance."""
@@ -68,7 +68,7 @@ class Sampler:
         # Not needed where all that is shown was sampled before.
         return self.solver.error_weights(extremes(self.solver))
 
-    def telling(self, rows: Floats) -> Floats:
+    def significant_columns(self, rows: Floats) -> Floats:
         """Of rows (p, k), scaled, the columns that make up most of the solver's own distance."""
         return rows[:, self._columns] * self._scales[self._columns, 0]
 
@@ -82,7 +82,7 @@ class Sampler:
             return (yield from self.solver.sample_steps(points, rtol=0.0))
         return (yield from self.solver.sample_steps(points, rtol=rtol, weights=self._weights))
 
-    def scout(self, solver: InteriorDistance) -> Evaluate | None:
+    def surrogate(self, solver: InteriorDistance) -> Evaluate | None:
         """The potential of a solver with this basis, within a tolerance; None where that saves no time."""
         if self.exact_always or not self.ready:
             return None
@@ -130,7 +130,7 @@ class Sampler:
         for done, rtol in enumerate(tolerances):
             for share in self.sample_steps(point, rtol):
                 yield (done + min(share, 1.0)) / len(tolerances)
-            give_back()
+            release_free_memory()
 
     def _radii_of(self, rows: Floats) -> Floats:
         """How far the images of rows lie from their mean, for each of the common distances."""

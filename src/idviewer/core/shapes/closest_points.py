@@ -21,7 +21,7 @@ AT_A_TIME = 5_000
 
 
 @dataclass(frozen=True, eq=False)
-class Landings:
+class SurfacePoints:
     """Points of a mesh's surface.
 
     Attributes:
@@ -39,7 +39,7 @@ class Landings:
         return csr_array((self.shares.ravel(), mesh.faces[self.faces].ravel(), starts), shape=shape)
 
 
-class Ground:
+class ClosestPointProjection:
     """A mesh on which points are landed.
 
     Args:
@@ -47,7 +47,7 @@ class Ground:
 
     >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     >>> tetrahedron = Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> landings = Ground(tetrahedron).land([[0.25, 0.25, -0.1]])
+    >>> landings = ClosestPointProjection(tetrahedron).project([[0.25, 0.25, -0.1]])
     >>> (landings.matrix(tetrahedron) @ tetrahedron.vertices).tolist()
     [[0.25, 0.25, 0.0]]
     """
@@ -61,7 +61,7 @@ class Ground:
     def _tree(self) -> cKDTree:
         return cKDTree(self.mesh.vertices)
 
-    def land(self, points: ArrayLike, starts: Ints | None = None) -> Landings:
+    def project(self, points: ArrayLike, starts: Ints | None = None) -> SurfacePoints:
         """The points of the surface closest to points (p, 3), as seen from where the walk to each starts.
 
         Args:
@@ -69,10 +69,12 @@ class Ground:
             starts: (p,) vertices; the closest ones by default. Where parts of the surface lie close to each
                 other, they say which of them is meant.
         """
-        return finish(self.land_steps(points, starts))
+        return finish(self.project_steps(points, starts))
 
-    def land_steps(self, points: ArrayLike, starts: Ints | None = None) -> Generator[float, None, Landings]:
-        """`land` as a generator that yields the share done every few milliseconds."""
+    def project_steps(
+        self, points: ArrayLike, starts: Ints | None = None
+    ) -> Generator[float, None, SurfacePoints]:
+        """`project` as a generator that yields the share done every few milliseconds."""
         points = np.ascontiguousarray(points, dtype=np.float64)
         if starts is None:
             starts = self._tree.query(points)[1]
@@ -82,4 +84,4 @@ class Ground:
             land(points[part], starts[part], self.mesh.vertices, self.mesh.faces, self._first, self._around,
                  found[part], shares[part])  # fmt: skip
             yield min(1.0, (begin + AT_A_TIME) / len(points))
-        return Landings(found, shares)
+        return SurfacePoints(found, shares)

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.validation.findings import Finding, Point
-from idviewer.core.validation.mesh_checks import Examination, examine
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.mesh_checks import ValidationReport, validate
+from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repairs import volume_and_area
 
 __all__ = ["Diagnosis", "Finding", "diagnose"]
@@ -92,10 +92,10 @@ def diagnose(
     """
     if isinstance(vertices, Mesh):
         return diagnose(vertices.vertices, vertices.faces)
-    return diagnosis_of(examine(Polygons.of(vertices, () if faces is None else faces)))
+    return diagnosis_of(validate(PolygonSoup.of(vertices, () if faces is None else faces)))
 
 
-def diagnosis_of(walk: Examination) -> Diagnosis:
+def diagnosis_of(walk: ValidationReport) -> Diagnosis:
     """The report of a finished examination."""
     given = walk.given
     finite = walk.vertices[np.isfinite(walk.vertices).all(axis=1)]
@@ -112,7 +112,7 @@ def diagnosis_of(walk: Examination) -> Diagnosis:
     )
 
 
-def _measured(walk: Examination) -> dict[str, Any]:
+def _measured(walk: ValidationReport) -> dict[str, Any]:
     """The sizes that need a surface."""
     topology = walk.topology
     number, of_face = topology.components

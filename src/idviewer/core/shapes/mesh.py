@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
 from idviewer.core.validation.findings import CHOICES, Finding
-from idviewer.core.validation.mesh_checks import Examination, examine
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.mesh_checks import ValidationReport, validate
+from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
-from idviewer.core.validation.triangle_quality import Unevenness, unevenness_of
+from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
 
 AnyArray = TypeVar("AnyArray", bound=np.ndarray)
 
@@ -38,7 +38,7 @@ class MeshError(ShapeError):
         self.components = components
 
     @classmethod
-    def about(cls, walk: Examination, name: str = "") -> MeshError:
+    def about(cls, walk: ValidationReport, name: str = "") -> MeshError:
         """The error of an examination that found something fatal or, for a strict mesh, to repair."""
         fatal = [finding for finding in walk.findings if finding.fatal]
         if fatal:
@@ -88,32 +88,32 @@ class Mesh:
     ) -> None:
         object.__setattr__(self, "name", name)
         try:
-            polygons = Polygons.of(vertices, faces)
+            polygons = PolygonSoup.of(vertices, faces)
         except (TypeError, ValueError) as error:
             raise MeshError(str(error)) from error
         if len(polygons.sizes) and np.any(polygons.sizes != 3):
             raise MeshError(
                 "faces must have the shape (m, 3); idviewer.core.repair_mesh cuts polygons into triangles"
             )
-        walk = examine(polygons)
+        walk = validate(polygons)
         if walk.changed:
             raise MeshError.about(walk, name)
         self._fill(walk, tuple(notes))
 
     @classmethod
-    def of_examination(cls, walk: Examination, name: str, notes: tuple[str, ...]) -> Mesh:
+    def of_examination(cls, walk: ValidationReport, name: str, notes: tuple[str, ...]) -> Mesh:
         """The mesh that an examination without fatal findings leaves; it is not examined again."""
         mesh = object.__new__(cls)
         object.__setattr__(mesh, "name", name)
         mesh._fill(walk, notes)
         return mesh
 
-    def _fill(self, walk: Examination, notes: tuple[str, ...]) -> None:
+    def _fill(self, walk: ValidationReport, notes: tuple[str, ...]) -> None:
         object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(walk.vertices)))
         object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(walk.faces)))
         object.__setattr__(self, "notes", tuple(notes))
-        if walk.unevenness is not None:
-            self.__dict__["unevenness"] = walk.unevenness  # of these arrays; it takes a while
+        if walk.triangle_quality is not None:
+            self.__dict__["unevenness"] = walk.triangle_quality  # of these arrays; it takes a while
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
@@ -139,9 +139,9 @@ class Mesh:
         return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
 
     @cached_property
-    def unevenness(self) -> Unevenness:
+    def triangle_quality(self) -> TriangleQuality:
         """Whether thin triangles spoil the cotangent Laplacian."""
-        return unevenness_of(self.vertices, self.faces)
+        return triangle_quality_of(self.vertices, self.faces)
 
     @cached_property
     def patches(self) -> Patches:

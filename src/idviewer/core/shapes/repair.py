@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from numpy.typing import ArrayLike
 
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.validation.mesh_checks import examine
-from idviewer.core.validation.polygon_soup import Polygons
+from idviewer.core.validation.mesh_checks import validate
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 
 def repair_mesh(
@@ -38,15 +38,15 @@ def repair_mesh(
     ('1 isolated vertex was dropped.', '1 face wound against its neighbours was turned.')
     """
     try:
-        polygons = Polygons.of(vertices, faces)
+        polygons = PolygonSoup.of(vertices, faces)
     except (TypeError, ValueError) as error:
         raise MeshError(f"{name}: {error}" if name else str(error)) from error
     return mended(polygons, name, name, component)
 
 
-def mended(polygons: Polygons, name: str, source: str, component: int | None) -> Mesh:
+def mended(polygons: PolygonSoup, name: str, source: str, component: int | None) -> Mesh:
     """The same from polygons; `source` is what an error names."""
-    walk = examine(polygons, component)
+    walk = validate(polygons, component)
     if walk.fatal:
         raise MeshError.about(walk, source)
     notes = tuple(finding.note for finding in walk.findings)

@@ -38,7 +38,7 @@ class Simplified:
     """
 
     mesh: Mesh
-    heirs: Ints
+    parents: Ints
 
 
 def simplified(mesh: Mesh, vertices: int) -> Mesh:
@@ -81,7 +81,7 @@ def _joined(mesh: Mesh) -> HalfEdges:
 def _without_gaps(mesh: Mesh, surface: HalfEdges) -> Simplified:
     """What is left of a surface, numbered anew."""
     everywhere = np.arange(len(mesh.vertices))
-    kept = np.flatnonzero(surface.heirs == everywhere)
+    kept = np.flatnonzero(surface.parents == everywhere)
     if len(kept) == len(everywhere):
         return Simplified(mesh, everywhere)
     numbers = np.full(len(everywhere), -1)
@@ -91,13 +91,13 @@ def _without_gaps(mesh: Mesh, surface: HalfEdges) -> Simplified:
         small = Mesh(mesh.vertices[kept], numbers[tails].reshape(-1, 3), name=mesh.name)
     except MeshError:
         return Simplified(mesh, everywhere)
-    return Simplified(small, numbers[_last_heirs(surface.heirs)])
+    return Simplified(small, numbers[_last_heirs(surface.parents)])
 
 
-def _last_heirs(heirs: NDArray[np.int32]) -> Ints:
+def _last_heirs(parents: NDArray[np.int32]) -> Ints:
     """The vertex in which each chain of heirs ends; each round halves the chains."""
     while True:
-        further = heirs[heirs]
-        if np.array_equal(further, heirs):
-            return heirs.astype(np.int64)
-        heirs = further
+        further = parents[parents]
+        if np.array_equal(further, parents):
+            return parents.astype(np.int64)
+        parents = further

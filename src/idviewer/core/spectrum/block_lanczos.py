@@ -8,8 +8,8 @@ import numpy as np
 
 from idviewer.core._kernels import LANES
 from idviewer.core.arrays import Floats
-from idviewer.core.spectrum.krylov_basis import TallBasis, make_orthogonal
-from idviewer.core.spectrum.ldl_factorization import SymmetricFactor
+from idviewer.core.spectrum.krylov_basis import KrylovBasis, make_orthogonal
+from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 from idviewer.core.steps import finish
 
 BLOCK = LANES
@@ -31,9 +31,9 @@ class BlockLanczos:
         known: (n,) the eigenvector to leave out.
     """
 
-    def __init__(self, factor: SymmetricFactor, shift: float, known: Floats) -> None:
+    def __init__(self, factor: LDLFactorization, shift: float, known: Floats) -> None:
         self._factor, self._shift = factor, shift
-        self._basis = TallBasis(len(known))  # with one block more than the space
+        self._basis = KrylovBasis(len(known))  # with one block more than the space
         self._projected = np.zeros((0, 0))
         # All vectors are in the factor's order.
         self._constant = np.zeros((1, len(known), LANES))

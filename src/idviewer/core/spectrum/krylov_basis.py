@@ -19,13 +19,13 @@ CHUNK = 8
 """Blocks that are kept in one array, so that the basis grows without being copied."""
 
 
-class TallBasis:
+class KrylovBasis:
     """Orthonormal vectors of length n in blocks (n, LANES), C-contiguous; iteration gives some at a time.
 
     Args:
         count: n.
 
-    >>> basis = TallBasis(50)
+    >>> basis = KrylovBasis(50)
     >>> block = np.random.default_rng(0).standard_normal((50, LANES))
     >>> _ = basis.append(block)
     >>> len(basis), bool(abs(basis[0].T @ basis[0] - np.eye(LANES)).max() < 1e-14)

@@ -17,7 +17,7 @@ from idviewer.core.shapes.mesh import MeshError
 from idviewer.core.shapes.polygon import PolygonError
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.block_lanczos import BLOCK, BlockLanczos
-from idviewer.core.spectrum.ldl_factorization import SymmetricFactor
+from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 
 Cutoff = Callable[[float], float]
 
@@ -94,19 +94,21 @@ def krylov_steps(
 
 def _factored(
     matrix: sparse.csc_array, points: Floats, bound: float, weyl: _Weyl
-) -> Generator[None, None, tuple[float, SymmetricFactor]]:
+) -> Generator[None, None, tuple[float, LDLFactorization]]:
     """A shift and the factor of the matrix less the shift: one among the eigenvalues up to a bound that is
     about known, if that can be factored, or else one below all of them."""
     identity = sparse.eye_array(len(points))
     if math.isfinite(bound):
         shift = MIDDLE * bound
         try:
-            steps = SymmetricFactor.steps(sparse.csc_array(matrix - shift * identity), points, definite=False)
+            steps = LDLFactorization.steps(
+                sparse.csc_array(matrix - shift * identity), points, definite=False
+            )
             return shift, (yield from steps)
         except np.linalg.LinAlgError:
             pass
     matrix = sparse.csc_array(matrix - weyl.shift * identity)
-    return weyl.shift, (yield from SymmetricFactor.steps(matrix, points))
+    return weyl.shift, (yield from LDLFactorization.steps(matrix, points))
 
 
 def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: int) -> bool:

@@ -1,7 +1,7 @@
 """The discrete Laplace-Beltrami operator of a boundary: stiffness and masses of meshes and of polygons.
 
 `laplacian_of` and `masses_of` belong together: both are those of the mesh's triangles, or, where thin ones
-would spoil them (`Mesh.unevenness`), both are those of an intrinsic Delaunay triangulation.
+would spoil them (`Mesh.triangle_quality`), both are those of an intrinsic Delaunay triangulation.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def laplacian_of(shape: Shape) -> sparse.csc_array:
     [2.0, 2.0, 2.0, 2.0]
     """
     if isinstance(shape, Mesh):
-        return cotangent_laplacian(shape) if shape.unevenness.bearable else intrinsic_pair(shape)[0]
+        return cotangent_laplacian(shape) if shape.triangle_quality.bearable else intrinsic_pair(shape)[0]
     return polygon_laplacian(_polygon(shape))
 
 
@@ -41,7 +41,7 @@ def masses_of(shape: Shape) -> Floats:
     [1.0, 1.0, 1.0, 1.0]
     """
     if isinstance(shape, Mesh):
-        return voronoi_areas(shape) if shape.unevenness.bearable else intrinsic_pair(shape)[1]
+        return voronoi_areas(shape) if shape.triangle_quality.bearable else intrinsic_pair(shape)[1]
     return voronoi_lengths(_polygon(shape))
 
 

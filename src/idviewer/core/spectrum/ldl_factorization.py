@@ -22,7 +22,7 @@ PRECISE = 2e-10
 to 2e-9, another one for each shift."""
 
 
-class SymmetricFactor:
+class LDLFactorization:
     """A = L D L^T in an order from nested dissection: few entries, and halves for threads side by side.
 
     The factor is SuperLU's; the solves are ours, as SuperLU takes one right-hand side after another. There
@@ -47,7 +47,7 @@ class SymmetricFactor:
     @classmethod
     def steps(
         cls, matrix: sparse.csc_array, points: Floats, definite: bool = True
-    ) -> Generator[None, None, SymmetricFactor]:
+    ) -> Generator[None, None, LDLFactorization]:
         """The constructor as a generator; SuperLU's factorisation is a single step of it."""
         made = cls.__new__(cls)
         yield from made._make(matrix, points, definite)

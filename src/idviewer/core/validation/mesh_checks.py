@@ -7,9 +7,9 @@ import numpy as np
 from idviewer.core.arrays import Bools, Floats, Ints
 from idviewer.core.validation import repairs as mending
 from idviewer.core.validation.findings import KEPT, Finding, counted, several, stated
-from idviewer.core.validation.polygon_soup import Polygons, triangulated
+from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
 from idviewer.core.validation.topology import Topology
-from idviewer.core.validation.triangle_quality import Unevenness, unevenness_of
+from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
 
 NO_VOLUME = 1e-9
 """A body whose volume is below this share of (its area) ** 1.5 encloses nothing (a ball has 0.09)."""
@@ -18,16 +18,16 @@ SIZES = (1e-60, 1e60)
 """Outside these, fourth powers of lengths leave the range of floating-point numbers."""
 
 
-class Examination:
-    """The arrays as mended so far, and what was found. `examine` calls the steps in their order."""
+class ValidationReport:
+    """The arrays as mended so far, and what was found. `validate` calls the steps in their order."""
 
-    def __init__(self, polygons: Polygons) -> None:
+    def __init__(self, polygons: PolygonSoup) -> None:
         self.given = polygons
         self.polygons = polygons
         self.findings: list[Finding] = []
         self.component_sizes: tuple[int, ...] = ()
         self.hopeless = False  # nothing further can be looked at
-        self.unevenness: Unevenness | None = None
+        self.triangle_quality: TriangleQuality | None = None
         self.vertices = polygons.vertices
         self._faces = np.empty((0, 3), np.int64)
         self._topology: Topology | None = None
@@ -106,7 +106,7 @@ class Examination:
         if not used.all():
             self.findings.append(counted("isolated_vertices", int(count - np.count_nonzero(used))))
             self.vertices = given.vertices[used]
-            self.polygons = Polygons(self.vertices, (np.cumsum(used) - 1)[given.corners], given.sizes)
+            self.polygons = PolygonSoup(self.vertices, (np.cumsum(used) - 1)[given.corners], given.sizes)
         return None
 
     def look_at_coordinates(self) -> None:
@@ -266,15 +266,15 @@ class Examination:
 
     def look_at_thin_faces(self) -> None:
         """Triangles on which the cotangent Laplacian is wrong: another one is used."""
-        if self.fatal or (found := unevenness_of(self.vertices, self.faces)).bearable:
+        if self.fatal or (found := triangle_quality_of(self.vertices, self.faces)).bearable:
             return
         place = self.near(found.worst)
         self.findings.append(stated("uneven_triangles", found.words, count=max(found.thin, 1), place=place))
 
 
-def examine(polygons: Polygons, component: int | None = None) -> Examination:
+def validate(polygons: PolygonSoup, component: int | None = None) -> ValidationReport:
     """Walk through everything that can be wrong; `component` (1 is the largest) chooses one of several."""
-    walk = Examination(polygons)
+    walk = ValidationReport(polygons)
     steps = (
         walk.look_at_indices,
         walk.look_at_coordinates,

@@ -13,7 +13,7 @@ from idviewer.core.arrays import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
-class Polygons:
+class PolygonSoup:
     """Polygons as read, nothing checked.
 
     Attributes:
@@ -27,7 +27,7 @@ class Polygons:
     sizes: Ints
 
     @classmethod
-    def of(cls, vertices: ArrayLike, faces: ArrayLike | Sequence[Sequence[int]]) -> Polygons:
+    def of(cls, vertices: ArrayLike, faces: ArrayLike | Sequence[Sequence[int]]) -> PolygonSoup:
         """From an (m, k) array of vertex indices, or a sequence of index sequences of any lengths.
 
         Raises ValueError if these are not points and whole numbers.
@@ -45,7 +45,7 @@ class Polygons:
         return cls(points, concatenated(rows), np.array([len(row) for row in rows], dtype=np.int64))
 
     @classmethod
-    def joined(cls, parts: Iterable[Polygons]) -> Polygons:
+    def joined(cls, parts: Iterable[PolygonSoup]) -> PolygonSoup:
         """All parts in one, in their order."""
         kept = list(parts)
         offsets = np.cumsum([0] + [len(part.vertices) for part in kept])
@@ -82,7 +82,7 @@ def strips(corners: Ints) -> Ints:
     return triangles
 
 
-def triangulated(polygons: Polygons) -> Ints:
+def triangulated(polygons: PolygonSoup) -> Ints:
     """(t, 3) triangles with the polygons' corners, winding and order; none for under three corners.
 
     A convex polygon becomes a fan; any other is cut into ears on the plane that fits it best. Every polygon

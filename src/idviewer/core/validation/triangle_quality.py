@@ -25,12 +25,12 @@ NEEDLE = 1e-3
 
 
 @dataclass(frozen=True)
-class Unevenness:
+class TriangleQuality:
     """What is wrong with the cotangent Laplacian of a surface.
 
     Attributes:
         stiffness: how much of their freedom the functions that are linear on each triangle lose; see
-            `unevenness_of`. 0 where it is bearable for certain.
+            `triangle_quality_of`. 0 where it is bearable for certain.
         rounding: bound of the relative rounding error of the lowest eigenvalue.
         thin: how many triangles do the harm; 0 if it is bearable.
         worst: a vertex of one of them.
@@ -58,7 +58,7 @@ class Unevenness:
         return f"{what} the cotangent Laplacian by {figure:.2g} ({limit:g} is bearable),"
 
 
-def unevenness_of(vertices: Floats, faces: Ints) -> Unevenness:
+def triangle_quality_of(vertices: Floats, faces: Ints) -> TriangleQuality:
     """The unevenness of a closed surface.
 
     An edge of length l whose opposite angles add up to more than pi has a negative weight w. Across it, a
@@ -73,7 +73,7 @@ def unevenness_of(vertices: Floats, faces: Ints) -> Unevenness:
         faces: (m, 3), each with an area.
 
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    >>> unevenness_of(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])).bearable
+    >>> triangle_quality_of(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])).bearable
     True
     """
     sides = side_vectors(vertices, faces)
@@ -86,16 +86,16 @@ def unevenness_of(vertices: Floats, faces: Ints) -> Unevenness:
     if rounding > BEARABLE_ROUNDING:
         needles = np.abs(cotangents).max(axis=1)
         needles = np.flatnonzero(needles > NEEDLE * needles.max())
-        return Unevenness(0.0, rounding, len(needles), int(faces[needles[0], 0]))
+        return TriangleQuality(0.0, rounding, len(needles), int(faces[needles[0], 0]))
     obtuse = cotangents < 0.0
     paid = -cotangents * (squares / area) ** 2
     # An edge pays half of what its triangles would pay alone, at most.
     most = 0.5 * _beyond_largest(paid[obtuse], faces[obtuse], len(vertices)).sum()
     if most <= BEARABLE_STIFFNESS or len(vertices) < COARSE:
-        return Unevenness(0.0, rounding, 0, 0)
+        return TriangleQuality(0.0, rounding, 0, 0)
     paid = _paid_by_edges(cotangents, squares / area, faces)
     beyond = _beyond_largest(paid[paid > 0.0], faces[paid > 0.0], len(vertices))
-    return Unevenness(
+    return TriangleQuality(
         float(beyond.sum()), rounding, int(np.count_nonzero(paid.any(axis=1))), int(np.argmax(beyond))
     )
 

@@ -47,7 +47,7 @@ class HalfEdges(NamedTuple):
     twins: Int32s
     out: Int32s
     degrees: Int32s
-    heirs: Int32s
+    parents: Int32s
 
 
 def half_edges_of(points: Floats, faces: NDArray[np.int64]) -> HalfEdges:
@@ -215,7 +215,7 @@ def _collapse(surface, h):  # type: ignore[no-untyped-def]
         degrees[a] -= 1
     if degrees[b] > 0:
         degrees[b] -= 1
-    surface.heirs[u] = v
+    surface.parents[u] = v
 
 
 @numba.njit(**SCALAR)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from idviewer.core._kernels.mean_value.patches import landing_of, own_scratch, weigh_patch
+from idviewer.core._kernels.mean_value.patches import boundary_hits_of, own_scratch, weigh_patch
 from idviewer.core._kernels.simd.lanes import LANES, at, choose, load, splat, store, transpose
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
 
@@ -80,7 +80,7 @@ def weigh(points, surface, tolerance, scratch, landing, totals, kept, product, w
         surface: a `Surface`.
         tolerance: how near the surface a point counts as lying on it.
         scratch: see `scratch_for`.
-        landing: output, see `no_landing`; of the blocks times parts.
+        landing: output, see `no_boundary_hits`; of the blocks times parts.
         totals: (blocks, parts, LANES) output; sums of the weights, not positive for points outside.
         kept: (workers, rows, LANES) scratch for the weights of a patch, of the surface if they are written.
         product: values (k / LANES, r, LANES) at the surface's rows, and sums (blocks, parts, lanes, k), 0 at
@@ -102,7 +102,7 @@ def weigh(points, surface, tolerance, scratch, landing, totals, kept, product, w
                 (part * patches // parts, (part + 1) * patches // parts),
                 tolerance,
                 own,
-                landing_of(landing, unit),
+                boundary_hits_of(landing, unit),
                 totals[block, part],
                 kept[worker],
                 values,

@@ -45,7 +45,7 @@ class Scratch(NamedTuple):
     tile: Floats
 
 
-class Landing(NamedTuple):
+class BoundaryHits(NamedTuple):
     """Which points lie on the surface: the weights there are the linear interpolation.
 
     Attributes:
@@ -73,9 +73,9 @@ def scratch_for(surface: Surface, workers: int) -> Scratch:
     )
 
 
-def no_landing(count: int) -> Landing:
+def no_boundary_hits(count: int) -> BoundaryHits:
     """For count blocks: every array has one more axis, in front."""
-    return Landing(
+    return BoundaryHits(
         np.zeros((count, LANES), dtype=np.uint8),
         np.zeros((count, LANES, 3), dtype=np.int64),
         np.zeros((count, LANES, 3)),
@@ -96,9 +96,9 @@ def own_scratch(scratch, worker):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def landing_of(landing, unit):  # type: ignore[no-untyped-def]
+def boundary_hits_of(landing, unit):  # type: ignore[no-untyped-def]
     """One unit of a landing."""
-    return Landing(landing.touched[unit], landing.rows[unit], landing.shares[unit])
+    return BoundaryHits(landing.touched[unit], landing.rows[unit], landing.shares[unit])
 
 
 @numba.njit(**ALLOCATION_FREE)
@@ -212,4 +212,4 @@ def weigh_patch(x, surface, patch, tolerance, scratch, weights, landing):  # typ
 @numba.njit(cache=True, **ALLOCATION_FREE)
 def warm_up(points, surface, scratch, weights, landing):  # type: ignore[no-untyped-def]
     """Weigh one patch, so that all it needs is compiled."""
-    weigh_patch(points[0], surface, 0, 0.0, own_scratch(scratch, 0), weights[0], landing_of(landing, 0))
+    weigh_patch(points[0], surface, 0, 0.0, own_scratch(scratch, 0), weights[0], boundary_hits_of(landing, 0))

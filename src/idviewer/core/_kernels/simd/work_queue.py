@@ -9,7 +9,7 @@ from idviewer.core._kernels.simd.lanes import intrinsic
 
 
 @intrinsic
-def take_turn(typingctx, counter):  # type: ignore[no-untyped-def]
+def take_work(typingctx, counter):  # type: ignore[no-untyped-def]
     """Add one to counter[0], an array of int64 that threads share, and return what it was."""
     if not (isinstance(counter, types.Array) and counter.dtype == types.int64):
         return None

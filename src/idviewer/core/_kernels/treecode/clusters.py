@@ -1,7 +1,7 @@
 """A binary tree over the faces of a surface, each node with the moments that its far field needs.
 
 Node 1 is the root and the children of node i are 2 i and 2 i + 1; the i-th node of a level holds the ordered
-faces from (m i) >> level to (m (i + 1)) >> level. Source: docs/cluster_tree.md.
+faces from (m i) >> level to (m (i + 1)) >> level. Source: docs/treecode.md.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from idviewer.core._kernels.simd.lanes import LANES
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
 from idviewer.core._kernels.treecode.expansion import ORDER
-from idviewer.core._kernels.treecode.factors import Factors, Plan, bound_errors, desk_of, factor
+from idviewer.core._kernels.treecode.factors import Factors, Plan, bound_errors, factor, factor_workspace_of
 from idviewer.core._kernels.treecode.moments import add_shifted, clear_moments, copy_moments, leaf_moments
 from idviewer.core.arrays import Floats
 
@@ -132,14 +132,14 @@ def sum_subtrees(source, first, level, tolerance, share, tables, nodes, factors,
         tolerance, share, tables: as in a `Plan`.
         nodes: a `Nodes`, written.
         factors: a `Factors` whose arrays have one more axis in front, of as many subtrees; written.
-        desks: a `Desk`, likewise.
+        desks: a `FactorWorkspace`, likewise.
         used: number of factors of each subtree, written.
         kept: (2^level, COEFFICIENTS, k) moments of all topmost nodes, written.
     """
     for i in numba.prange(used.shape[0]):
         own = Factors(factors.shapes[i], factors.profiles[i], factors.rests[i])
         plan, top = Plan(tolerance, share, tables), first + i
-        desk = desk_of(desks, i)
+        desk = factor_workspace_of(desks, i)
         used[i] = _sum_subtree(source, top, level, plan, nodes, own, desk, kept[top - (1 << level)])
 
 
@@ -156,7 +156,7 @@ def sum_level(source, level, tolerance, share, tables, nodes, factors, desks, ke
     Returns:
         The new number of factors.
     """
-    plan, desk = Plan(tolerance, share, tables), desk_of(desks, 0)
+    plan, desk = Plan(tolerance, share, tables), factor_workspace_of(desks, 0)
     own = Factors(factors.shapes[0], factors.profiles[0], factors.rests[0])
     for i in range(1 << level):
         node = (1 << level) + i

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from idviewer.core._kernels.simd.lanes import LANES, at, bits, load, prefetch, splat, store
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
-from idviewer.core._kernels.simd.work_queue import take_turn
+from idviewer.core._kernels.simd.work_queue import take_work
 from idviewer.core._kernels.treecode.clusters import BOUND, CLEAR, FIRST, RANK_AT, RECORD
 from idviewer.core._kernels.treecode.expansion import COUNTS, ORDER, expand
 from idviewer.core._kernels.treecode.factors import Factors
 from idviewer.core._kernels.treecode.leaf import Leaves, weigh_leaf
-from idviewer.core._kernels.treecode.normalize import hand_over
+from idviewer.core._kernels.treecode.normalize import normalize
 from idviewer.core._kernels.treecode.point_lists import (
     ALL,
     ID,
@@ -213,7 +213,7 @@ def _take_chunks(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """One worker's share of the chunks."""
     doubt, bound = checks
-    chunk = take_turn(turn)
+    chunk = take_work(turn)
     while chunk < chunks.shape[0] - 1:
         a, b = chunks[chunk], chunks[chunk + 1]
         for place in range(0, (b - a) * values.shape[1], LANES):
@@ -222,8 +222,8 @@ def _take_chunks(  # type: ignore[no-untyped-def]
             room.touched[i] = 0
         _descend(points[a:b], depth, records, factors, leaves, values, plan, room)
         touching = room.touched, room.rows, room.linear
-        hand_over(points[a:b], room.sums, touching, values, doubt, bound, order[a:b], target)
-        chunk = take_turn(turn)
+        normalize(points[a:b], room.sums, touching, values, doubt, bound, order[a:b], target)
+        chunk = take_work(turn)
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
@@ -240,8 +240,8 @@ def descend(  # type: ignore[no-untyped-def]
         tolerance: error allowed to a node's share of a point, when weights add up to 1.
         share: of that error which left out profiles may cause.
         on_surface: how near the surface a point counts as lying on it.
-        nearness: (OCTAVES, ORDER + 1) float32; see `nearness_of`.
-        doubt, bound, order, target: see `hand_over`.
+        nearness: (OCTAVES, ORDER + 1) float32; see `opening_radii`.
+        doubt, bound, order, target: see `normalize`.
         room: see `rooms`.
         turn: (1,) 0, counts the chunks that were begun.
     """
@@ -270,7 +270,7 @@ def descend(  # type: ignore[no-untyped-def]
         )
 
 
-def nearness_of(tolerance: float) -> Floats32:
+def opening_radii(tolerance: float) -> Floats32:
     """How near nodes may be, in the unit of their bounds, by octave of a point's total and degree."""
     totals = LEAST_TOTAL * 2.0 ** np.arange(OCTAVES)
     degrees = np.arange(ORDER + 1)

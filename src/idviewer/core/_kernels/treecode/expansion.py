@@ -1,6 +1,6 @@
 """Taylor expansion of 1 / |r|^2, the kernel of the mean value coordinates, in three dimensions.
 
-Notation as in docs/cluster_tree.md: beta a multi-index (i, j, k) of degree i + j + k <= ORDER, and b_beta =
+Notation as in docs/treecode.md: beta a multi-index (i, j, k) of degree i + j + k <= ORDER, and b_beta =
 (1 / beta!) d^beta |r|^-2 / dr^beta, so that |r + y|^-2 = sum over beta of b_beta(r) y^beta.
 """
 

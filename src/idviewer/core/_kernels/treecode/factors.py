@@ -48,7 +48,7 @@ class Plan(NamedTuple):
     tables: Tables
 
 
-class Desk(NamedTuple):
+class FactorWorkspace(NamedTuple):
     """Room for intermediate results, with one more axis in front for as many subtrees.
 
     Attributes:
@@ -77,10 +77,10 @@ class Desk(NamedTuple):
     waiting: Floats
 
 
-def desks_for(width: int, rows: int, levels: int, subtrees: int) -> Desk:
+def factor_workspaces(width: int, rows: int, levels: int, subtrees: int) -> FactorWorkspace:
     """Room for so many subtrees of so many levels, with so many rows in the largest leaf."""
     one = (subtrees, COEFFICIENTS)
-    return Desk(
+    return FactorWorkspace(
         np.empty((subtrees, 3, COEFFICIENTS, LANES)),
         np.empty((subtrees, COEFFICIENTS + 1, LANES)),
         np.empty((subtrees, rows, COEFFICIENTS)),
@@ -97,9 +97,9 @@ def desks_for(width: int, rows: int, levels: int, subtrees: int) -> Desk:
 
 
 @numba.njit(**ALLOCATION_FREE)
-def desk_of(desks, i):  # type: ignore[no-untyped-def]
+def factor_workspace_of(desks, i):  # type: ignore[no-untyped-def]
     """One subtree's."""
-    return Desk(
+    return FactorWorkspace(
         desks.of_faces[i],
         desks.powers_of_faces[i],
         desks.hats[i],

@@ -1,4 +1,4 @@
-"""Moments of faces for the expansion of the mean value kernel; see docs/cluster_tree.md."""
+"""Moments of faces for the expansion of the mean value kernel; see docs/treecode.md."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def _on_surface(i, table, rows, linear, sums):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def hand_over(points, sums, touching, table, doubt, bound, order, target):  # type: ignore[no-untyped-def]
+def normalize(points, sums, touching, table, doubt, bound, order, target):  # type: ignore[no-untyped-def]
     """Divide sums (c, width) by their totals and put them where the target wants them.
 
     A point is doubtful if `doubt` times the largest error of its position is above the bound; one that is not

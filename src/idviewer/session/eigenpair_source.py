@@ -12,7 +12,7 @@ from weakref import ref
 from idviewer.core import Distance, Shape, Spectrum
 from idviewer.core.interior.preview import is_worth_previewing
 from idviewer.core.spectrum.eigen_solver import eigenpair_steps
-from idviewer.session.opening import Opening
+from idviewer.session.cached_view import CachedView
 from idviewer.session.progress import with_progress
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, Progress, Query, Result
@@ -22,14 +22,14 @@ FACTORING = "Factoring (cannot be interrupted)"
 READING = "Reading the eigenpairs kept"
 
 
-class Recalled(NamedTuple):
+class CacheHit(NamedTuple):
     """What is kept of a shape from earlier runs: the eigenpairs asked for, and what a first view showed."""
 
     spectrum: Spectrum | None
-    opening: Opening | None
+    opening: CachedView | None
 
 
-class Eigenpairs:
+class EigenpairSource:
     """Has eigenpairs read or computed, and keeps those that took long once there is something to see.
 
     Args:
@@ -52,14 +52,14 @@ class Eigenpairs:
         known = yield from self._spectrum_steps(shape, distance)
         return (yield from self.compute_steps(shape, distance)) if known is None else known
 
-    def recall_steps(self, shape: Shape, query: Query) -> Generator[Progress, None, Recalled]:
+    def recall_steps(self, shape: Shape, query: Query) -> Generator[Progress, None, CacheHit]:
         """What is kept of a shape that a query's first view needs."""
         spectrum = opening = None
         if query.distance.spectral:
             spectrum = yield from self._spectrum_steps(shape, query.distance)
         if spectrum is not None:
             opening = yield from self._opening_steps(shape, spectrum, query)
-        return Recalled(spectrum, opening)
+        return CacheHit(spectrum, opening)
 
     def _spectrum_steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum | None]:
         self._of, self._remarks, self._damaged = ref(shape), (), False
@@ -116,7 +116,7 @@ class Eigenpairs:
 
     def _opening_steps(
         self, shape: Shape, spectrum: Spectrum, query: Query
-    ) -> Generator[Progress, None, Opening | None]:
+    ) -> Generator[Progress, None, CachedView | None]:
         if self._cache is None or shape.dimension == 2:
             return None
         steps = self._cache.lookup_opening_steps(shape, spectrum, query)
@@ -127,7 +127,7 @@ class Eigenpairs:
         return opening
 
     def keep_opening_steps(
-        self, shape: Shape, spectrum: Spectrum, query: Query, opening: Opening
+        self, shape: Shape, spectrum: Spectrum, query: Query, opening: CachedView
     ) -> Generator[None, None, None]:
         """Writes what the first view of a shape shows, unless its eigenpairs are not kept."""
         if self._cache is None or not self._are_kept:

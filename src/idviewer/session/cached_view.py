@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import idviewer
 from idviewer.core import Plane, Shape, Spectrum
 from idviewer.core.sampling.plane_samples import SampledSlice
-from idviewer.core.sampling.point_norms import Cloud
+from idviewer.core.sampling.point_norms import PointNorms
 from idviewer.core.shapes.plane import AXES
 from idviewer.session.state import Point, Query
 from idviewer.session.stored_arrays import Arrays, checksum_steps
@@ -22,7 +22,7 @@ VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)
-class Opening:
+class CachedView:
     """The exact slice through a shape's barycentroid.
 
     Attributes:
@@ -60,7 +60,7 @@ class Opening:
         }
 
     @classmethod
-    def of(cls, about: dict[str, Any], arrays: Arrays) -> Opening:
+    def of(cls, about: dict[str, Any], arrays: Arrays) -> CachedView:
         """The one that these are of."""
         outline = tuple(np.split(arrays["outline"], np.cumsum(about["loops"])[:-1]))
         columns = arrays["rows"].shape[1]
@@ -68,7 +68,7 @@ class Opening:
             arrays["points"],
             arrays["triangles"],
             outline if about["loops"] else (),
-            Cloud(arrays["rows"]),
+            PointNorms(arrays["rows"]),
             np.empty((0, columns)),
             0.0,
             True,

@@ -9,7 +9,7 @@ from scipy.spatial import Delaunay
 
 from idviewer.core._kernels.linear_algebra.columns import group_columns
 from idviewer.core.spectrum.block_lanczos import BLOCK, BlockLanczos
-from idviewer.core.spectrum.ldl_factorization import SymmetricFactor
+from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 from idviewer.core.spectrum.nested_dissection import OFF_MIDDLE, SEPARATOR, dissect
 
 
@@ -56,7 +56,7 @@ def test_a_solution_solves(rng, count, width):
     matrix = laplacian(edges, rng.uniform(0.1, 10.0, len(edges)), count)
     matrix = sparse.csc_array(matrix + 0.1 * sparse.eye_array(count))
     sides = rng.standard_normal((count, width))
-    found = SymmetricFactor(matrix, points).solve(sides)
+    found = LDLFactorization(matrix, points).solve(sides)
     np.testing.assert_allclose(found, np.linalg.solve(matrix.toarray(), sides), rtol=1e-9, atol=1e-10)
 
 
@@ -65,7 +65,7 @@ def test_parts_that_do_not_touch_are_solved_too(rng):
     apart = edges[(edges[:, 0] < 150) == (edges[:, 1] < 150)]
     matrix = sparse.csc_array(laplacian(apart, np.ones(len(apart)), 300) + sparse.eye_array(300))
     sides = rng.standard_normal((300, 2))
-    found = SymmetricFactor(matrix, points).solve(sides)
+    found = LDLFactorization(matrix, points).solve(sides)
     np.testing.assert_allclose(matrix @ found, sides, atol=1e-12)
 
 
@@ -73,14 +73,14 @@ def test_what_is_not_positive_definite_is_refused(rng):
     points, edges = graph(rng, 200)
     matrix = laplacian(edges, np.ones(len(edges)), 200)
     with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
-        SymmetricFactor(sparse.csc_array(matrix - 0.5 * sparse.eye_array(200)), points)
+        LDLFactorization(sparse.csc_array(matrix - 0.5 * sparse.eye_array(200)), points)
 
 
 def test_an_indefinite_matrix_is_solved_and_its_inertia_counted(rng):
     points, edges = graph(rng, 500)
     matrix = laplacian(edges, rng.uniform(0.1, 10.0, len(edges)), 500)
     shifted = sparse.csc_array(matrix - 3.0 * sparse.eye_array(500))
-    factor = SymmetricFactor(shifted, points, definite=False)
+    factor = LDLFactorization(shifted, points, definite=False)
     assert factor.negative == np.count_nonzero(np.linalg.eigvalsh(shifted.toarray()) < 0)
     sides = rng.standard_normal((500, 3))
     np.testing.assert_allclose(shifted @ factor.solve(sides), sides, atol=1e-9)
@@ -94,7 +94,7 @@ def test_digits_lost_for_want_of_pivots_are_found_again(rng):
     first = dissect(points, np.stack([upper.row, upper.col], axis=1))[0][0]
     shifted = sparse.csc_array(matrix - (matrix[first, first] + 1e-7) * sparse.eye_array(500))
     sides = rng.standard_normal((500, 3))
-    found = SymmetricFactor(shifted, points, definite=False)
+    found = LDLFactorization(shifted, points, definite=False)
     assert np.linalg.norm(shifted @ found.solve(sides) - sides) < 1e-9 * np.linalg.norm(sides)
     found._refining = None
     assert np.linalg.norm(shifted @ found.solve(sides) - sides) > 1e-9
@@ -124,7 +124,7 @@ def test_the_basis_stays_orthonormal_and_projects_the_inverse(rng):
     """By hand: the projected matrix is Q^T (A + shift)^-1 Q, and the left out vector stays out."""
     points, edges = graph(rng, 900)
     matrix = laplacian(edges, np.ones(len(edges)), 900)
-    factor = SymmetricFactor(sparse.csc_array(matrix + 0.01 * sparse.eye_array(900)), points)
+    factor = LDLFactorization(sparse.csc_array(matrix + 0.01 * sparse.eye_array(900)), points)
     krylov = BlockLanczos(factor, 0.01, np.ones(900))
     for _ in range(10):
         for _ in krylov.expand():

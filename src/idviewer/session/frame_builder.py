@@ -10,14 +10,14 @@ from idviewer.core.arrays import Floats
 from idviewer.core.interior.solver import OF_A_POINT
 from idviewer.core.sampling.plane_samples import PlaneSamples, SampledSlice
 from idviewer.core.sampling.point_norms import squares_of
-from idviewer.session.prepared import Prepared
+from idviewer.session.shape_context import ShapeContext
 from idviewer.session.state import FLAT, Frame, Point, Query, Slice
 
 PROBE_SAFETY = 1.5
 """The largest error of all is taken to be so many times the largest probed."""
 
 
-class Framing:
+class FrameBuilder:
     """Makes the frames of a query.
 
     Args:
@@ -25,7 +25,7 @@ class Framing:
         query: what to show.
     """
 
-    def __init__(self, prepared: Prepared, query: Query) -> None:
+    def __init__(self, prepared: ShapeContext, query: Query) -> None:
         self._prepared, self._query = prepared, query
         self._sampled = prepared.sampled(query)
         self._planes = (FLAT,) if prepared.shape.dimension == 2 else query.planes

@@ -8,7 +8,7 @@ from tests.core.test_mean_value import bumpy_sphere
 
 from idviewer.core._kernels.treecode.clusters import CLEARANCE
 from idviewer.core._kernels.treecode.expansion import INDICES, TABLES, monomials
-from idviewer.core.coordinates.treecode import ClusterTree
+from idviewer.core.coordinates.treecode import Treecode
 from idviewer.core.steps import finish
 
 
@@ -34,7 +34,7 @@ def test_the_moments_of_every_node_give_its_far_field(rng):
     mesh = bumpy_sphere(3)
     places = (mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal
     values = np.cos(places @ rng.normal(scale=3.0, size=(3, 4)))
-    tree = finish(ClusterTree.build_steps((places, mesh.faces), values, np.ones(4), 1e-6, 0.0))
+    tree = finish(Treecode.build_steps((places, mesh.faces), values, np.ones(4), 1e-6, 0.0))
     nodes, factors, depth = tree.nodes, tree._tree.factors, tree._tree.depth
     ordered = tree_faces(tree, len(mesh.faces))
     for node in rng.choice(np.flatnonzero(nodes.ranks), size=10, replace=False):
@@ -53,7 +53,7 @@ def test_the_moments_of_every_node_give_its_far_field(rng):
     assert depth > 3
 
 
-def tree_faces(tree: ClusterTree, count: int) -> np.ndarray:
+def tree_faces(tree: Treecode, count: int) -> np.ndarray:
     """(m, 3) vertices of the faces in the tree's order."""
     leaves = tree._tree.leaves
     rows = leaves.rows + leaves.first_row[:-1, None, None]

@@ -7,7 +7,7 @@ import pytest
 from tests.core import shapes
 
 from idviewer.core.shapes.repair import repair_mesh
-from idviewer.core.validation.polygon_soup import Polygons, triangulated
+from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
 
 
 def _zigzag(teeth: int) -> list[tuple[float, float]]:
@@ -61,7 +61,7 @@ def test_a_polygon_of_k_corners_gives_k_minus_2_triangles_whatever_its_shape():
             np.zeros((size, 3)),
             np.outer(np.arange(size), [1.0, 2, 3]),
         ):
-            triangles = triangulated(Polygons.of(points, [list(range(size))]))
+            triangles = triangulated(PolygonSoup.of(points, [list(range(size))]))
             assert triangles.shape == (size - 2, 3)
             # Inner edges are met twice, the polygon's sides once and in their direction: nothing is lost.
             sides = {side for t in triangles.tolist() for side in zip(t, t[1:] + t[:1], strict=True)}
@@ -72,7 +72,7 @@ def test_a_polygon_of_k_corners_gives_k_minus_2_triangles_whatever_its_shape():
 def test_triangles_come_in_the_order_of_their_polygons():
     vertices, quads = shapes.cube_quads()
     mixed = [quads[0].tolist(), quads[1, :3].tolist(), quads[1, [0, 2, 3]].tolist(), *quads[2:].tolist()]
-    owners = triangulated(Polygons.of(vertices, mixed))
+    owners = triangulated(PolygonSoup.of(vertices, mixed))
     assert owners[2].tolist() == mixed[1]
     assert owners[3].tolist() == mixed[2]
     assert repair_mesh(vertices, mixed).volume == 1.0

@@ -13,7 +13,7 @@ from idviewer.core import Diffusion, InteriorDistance, Mesh, read_mesh, sample_p
 from idviewer.core._kernels.treecode.normalize import Target
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.tolerance import FINEST, Approximation
-from idviewer.core.coordinates.treecode import ClusterTree
+from idviewer.core.coordinates.treecode import Treecode
 from idviewer.core.interior.equations import extent
 from idviewer.core.steps import finish
 
@@ -134,7 +134,7 @@ def test_the_tree_is_what_answers(rng):
     assert doubtful.mean() < 0.05
 
 
-def carried(tree: ClusterTree, points: np.ndarray, tolerance: float, bound: float):
+def carried(tree: Treecode, points: np.ndarray, tolerance: float, bound: float):
     """What the tree alone makes of 20 columns at points, and which points it doubts."""
     values, doubtful = np.empty((len(points), 20)), np.empty(len(points), dtype=bool)
     target = Target(np.arange(len(points)), np.arange(20), values, doubtful)

@@ -12,10 +12,10 @@ from idviewer.core import Coordinates, Distance, InteriorDistance, Plane, Spectr
 from idviewer.core.arrays import Floats, in_space
 from idviewer.core.interior.barycentroid import Barycentroid
 from idviewer.core.sampling.plane_samples import PlaneSamples
-from idviewer.core.sampling.point_norms import Reach
+from idviewer.core.sampling.point_norms import MaxNorm
 from idviewer.core.sampling.sampler import Sampler
 from idviewer.core.steps import finish
-from idviewer.session.opening import Opening
+from idviewer.session.cached_view import CachedView
 from idviewer.session.state import Point, Query, QueryError
 
 Kind = tuple[Distance, str]
@@ -36,7 +36,7 @@ SOURCE = 2e-5
 """Tolerance of a source's own sample while the exact one is not there."""
 
 
-class Sampled:
+class BasisSamples:
     """Samples of one basis, on planes and at points; they serve every distance with that basis.
 
     Args:
@@ -49,7 +49,7 @@ class Sampled:
         # A warning would be lost in the compute thread; `remarks` tells instead.
         solver.coordinates.warns = False
         self.sampler = Sampler(solver)
-        self.body = Reach(solver.basis)
+        self.body = MaxNorm(solver.basis)
         self._planes: OrderedDict[Plane, PlaneSamples] = OrderedDict()
         self._points: OrderedDict[Point, Floats] = OrderedDict()
 
@@ -68,17 +68,17 @@ class Sampled:
         visits = FACE_VISITS / (effort * len(self.solver.shape.facets))
         return int(min(visits, NUMBERS / self.solver.basis.shape[1]))
 
-    def restore(self, opening: Opening) -> None:
+    def restore(self, opening: CachedView) -> None:
         """Takes samples that were taken before."""
         self.on(opening.plane).restore(opening.section)
         self._points[opening.barycentroid] = opening.row
 
-    def opening(self, plane: Plane, point: Point) -> Opening | None:
+    def opening(self, plane: Plane, point: Point) -> CachedView | None:
         """The finest samples on a plane and at a point, if they are there and took long."""
         there = point in self._points and plane in self._planes and self._planes[plane].final
         if not there or self.sampler.exact_always or self.remarks:
             return None
-        return Opening(point, self._points[point], plane, finish(self._planes[plane].level_steps(0)))
+        return CachedView(point, self._points[point], plane, finish(self._planes[plane].level_steps(0)))
 
     def is_exact(self, point: Point) -> bool:
         """Whether the exact row of a point is there, or takes no time."""
@@ -133,7 +133,7 @@ def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
     return (f"{coordinates.title} were not found at {points} no value",)
 
 
-class Prepared:
+class ShapeContext:
     """A shape with all that was computed of it and does not depend on the query's distance or coordinates.
 
     Args:
@@ -147,7 +147,7 @@ class Prepared:
     ) -> None:
         self.shape, self._finest = solver.full_shape, finest
         self.spectrum: Spectrum | None = solver.spectrum if solver.distance_kind.spectral else None
-        self._sampled = [Sampled(solver, finest)]
+        self._sampled = [BasisSamples(solver, finest)]
         self._found: dict[Kind, Point] = {}
         self._latest = centre
         self.has_opening = False
@@ -159,7 +159,7 @@ class Prepared:
         """Whether they have to be computed for this distance."""
         return distance.spectral and self.spectrum is None
 
-    def sampled(self, query: Query) -> Sampled:
+    def sampled(self, query: Query) -> BasisSamples:
         """The samples that a query needs: of its distance's basis, by its coordinates. They must be there."""
         found = next(one for one in self._sampled if _serves(one, query))
         self._sampled.remove(found)
@@ -198,7 +198,7 @@ class Prepared:
 
     def _keep(self, solver: InteriorDistance) -> None:
         """Samples of a solver beside those that are there; those used longest ago make room."""
-        self._sampled.append(Sampled(solver, self._finest))
+        self._sampled.append(BasisSamples(solver, self._finest))
         while len(self._sampled) > KEPT_SAMPLED:
             self._sampled.pop(0)
 
@@ -222,12 +222,12 @@ class Prepared:
         assert found is not None
         return found
 
-    def settle_steps(self, solver: InteriorDistance) -> Generator[None, None, None]:
+    def find_barycentroid_steps(self, solver: InteriorDistance) -> Generator[None, None, None]:
         """Finds the barycentroid of the solver; goes on where a closed search for it stopped."""
         kind = solver.distance_kind, solver.coordinates.name
         if self._search is None or self._search[0] != kind:
             sampled = next(one for one in self._sampled if _samples(one, *kind))
-            self._search = (kind, solver.barycentroid_steps(sampled.sampler.scout(solver)))
+            self._search = (kind, solver.barycentroid_steps(sampled.sampler.surrogate(solver)))
         while True:
             try:
                 next(self._search[1])
@@ -241,13 +241,13 @@ class Prepared:
                 raise
             yield
 
-    def restore(self, query: Query, opening: Opening) -> None:
+    def restore(self, query: Query, opening: CachedView) -> None:
         """Takes what a query's first view shows from an earlier run of the program."""
         self.sampled(query).restore(opening)
         self._found[_kind(query)] = self._latest = opening.barycentroid
         self.has_opening, self.opened = True, opening.plane
 
-    def opening(self, query: Query) -> Opening | None:
+    def opening(self, query: Query) -> CachedView | None:
         """What a query shows, if it is a slice through the barycentroid or next to it, all of which is there;
         once."""
         point = self._found.get(_kind(query))
@@ -269,10 +269,10 @@ def _kind(query: Query) -> Kind:
     return query.distance, query.coordinates
 
 
-def _serves(sampled: Sampled, query: Query) -> bool:
+def _serves(sampled: BasisSamples, query: Query) -> bool:
     return _samples(sampled, *_kind(query))
 
 
-def _samples(sampled: Sampled, distance: Distance, coordinates: str) -> bool:
+def _samples(sampled: BasisSamples, distance: Distance, coordinates: str) -> bool:
     solver = sampled.solver
     return solver.coordinates.name == coordinates and solver.shares_basis(distance)

@@ -11,9 +11,10 @@ import pytest
 from tests.session.bodies import egg
 
 from idviewer.core import Biharmonic, Diffusion, InteriorDistance, Plane
-from idviewer.session import eigenpairs, spectrum_cache
-from idviewer.session.eigenpairs import READING
-from idviewer.session.opening import default_plane
+from idviewer.session import eigenpair_source as eigenpairs
+from idviewer.session import spectrum_cache
+from idviewer.session.cached_view import default_plane
+from idviewer.session.eigenpair_source import READING
 from idviewer.session.pipeline import SEARCHING, Pipeline, run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready

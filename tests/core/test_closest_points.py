@@ -6,13 +6,13 @@ import numpy as np
 import trimesh
 
 from idviewer.core import read_mesh, sample_path
-from idviewer.core.shapes.closest_points import Ground
+from idviewer.core.shapes.closest_points import ClosestPointProjection
 from idviewer.core.shapes.simplification import simplification_steps
 from idviewer.core.steps import finish
 
 HAND = read_mesh(sample_path("hand_2k"))
 SMALL = finish(simplification_steps(HAND, 600))
-GROUND = Ground(SMALL.mesh)
+GROUND = ClosestPointProjection(SMALL.mesh)
 
 
 def test_what_is_linear_on_the_simplified_faces_is_carried_exactly(rng):
@@ -20,21 +20,21 @@ def test_what_is_linear_on_the_simplified_faces_is_carried_exactly(rng):
     shares = rng.dirichlet(np.ones(3), 300)
     values = rng.standard_normal(len(SMALL.mesh.vertices))
     points = np.einsum("pc,pcx->px", shares, SMALL.mesh.vertices[faces])
-    carried = GROUND.land(points).matrix(SMALL.mesh) @ values
+    carried = GROUND.project(points).matrix(SMALL.mesh) @ values
     np.testing.assert_allclose(carried, (shares * values[faces]).sum(axis=1), atol=1e-9)
 
 
 def test_vertices_that_are_left_keep_their_values():
     values = np.arange(len(SMALL.mesh.vertices), dtype=float)
-    matrix = GROUND.land(HAND.vertices, SMALL.heirs).matrix(SMALL.mesh)
-    left = np.flatnonzero((HAND.vertices == SMALL.mesh.vertices[SMALL.heirs]).all(axis=1))
-    np.testing.assert_allclose((matrix @ values)[left], values[SMALL.heirs[left]], atol=1e-9)
+    matrix = GROUND.project(HAND.vertices, SMALL.parents).matrix(SMALL.mesh)
+    left = np.flatnonzero((HAND.vertices == SMALL.mesh.vertices[SMALL.parents]).all(axis=1))
+    np.testing.assert_allclose((matrix @ values)[left], values[SMALL.parents[left]], atol=1e-9)
 
 
 def test_points_land_where_the_surface_is_closest():
     """Against all faces, by another library; walking ends in another place only across a fold."""
     points = HAND.vertices[::200]
-    landed = GROUND.land(points, SMALL.heirs[::200]).matrix(SMALL.mesh) @ SMALL.mesh.vertices
+    landed = GROUND.project(points, SMALL.parents[::200]).matrix(SMALL.mesh) @ SMALL.mesh.vertices
     corners = SMALL.mesh.vertices[SMALL.mesh.faces]
     gaps = np.linalg.norm(landed - points, axis=1)
     for point, gap in zip(points, gaps, strict=True):
@@ -44,6 +44,6 @@ def test_points_land_where_the_surface_is_closest():
 
 def test_shares_are_not_negative_and_make_one(rng):
     points = HAND.vertices + 0.05 * HAND.diagonal * rng.standard_normal(HAND.vertices.shape)
-    shares = GROUND.land(points).shares
+    shares = GROUND.project(points).shares
     assert shares.min() >= 0.0
     np.testing.assert_allclose(shares.sum(axis=1), 1.0)

@@ -21,7 +21,7 @@ NOTCH = 0.88
 """What one notch of the wheel multiplies the distance by."""
 
 
-class Eye:
+class CameraController:
     """Moves a plotter's camera and has it drawn; positions of the mouse are device-independent pixels."""
 
     def __init__(self, plotter: QtInteractor, request_draw: Callable[[], None]) -> None:

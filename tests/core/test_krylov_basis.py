@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from idviewer.core._kernels import LANES
-from idviewer.core.spectrum.krylov_basis import CHUNK, TallBasis, inner, make_orthogonal
+from idviewer.core.spectrum.krylov_basis import CHUNK, KrylovBasis, inner, make_orthogonal
 from idviewer.core.steps import finish
 
 COUNTS = [200, 217, 1501]
@@ -16,7 +16,7 @@ COUNTS = [200, 217, 1501]
 
 def filled(rng, count, blocks):
     """A basis of random orthonormal vectors."""
-    basis = TallBasis(count)
+    basis = KrylovBasis(count)
     for _ in range(blocks):
         block = rng.standard_normal((count, LANES))
         for some in basis:
@@ -65,7 +65,7 @@ def test_combinations_go_where_the_order_says(rng, count, width):
 @pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])
 def test_a_block_is_q_r_whatever_its_scale(rng, scale):
     block = scale * rng.standard_normal((100, LANES))
-    basis = TallBasis(100)
+    basis = KrylovBasis(100)
     upper = basis.append(block.copy())
     np.testing.assert_allclose(basis[0].T @ basis[0], np.eye(LANES), atol=1e-14)
     np.testing.assert_allclose(basis[0] @ upper, block, atol=1e-13 * scale)
@@ -74,7 +74,7 @@ def test_a_block_is_q_r_whatever_its_scale(rng, scale):
 def test_a_nearly_singular_block_becomes_orthonormal_too(rng):
     block = rng.standard_normal((100, LANES))
     block[:, 3] = block[:, 0] * (1.0 + 1e-15)
-    basis = TallBasis(100)
+    basis = KrylovBasis(100)
     upper = basis.append(block.copy())
     np.testing.assert_allclose(basis[0].T @ basis[0], np.eye(LANES), atol=1e-12)
     np.testing.assert_allclose(basis[0] @ upper, block, atol=1e-12)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.session.bodies import Desk, egg
+from tests.session.bodies import FactorWorkspace, egg
 
 from idviewer.core import Diffusion, Euclidean, Mesh, Plane
-from idviewer.session import eigenpairs, spectrum_cache, stored_arrays
-from idviewer.session.eigenpairs import COMPUTING, READING
+from idviewer.session import eigenpair_source as eigenpairs
+from idviewer.session import spectrum_cache, stored_arrays
+from idviewer.session.eigenpair_source import COMPUTING, READING
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Query
@@ -74,7 +75,7 @@ def test_its_frames_are_those_of_a_fresh_computation(filled):
 
 
 def test_a_session_opens_it_without_the_solver(filled, no_solver):
-    with Desk(filled) as desk:
+    with FactorWorkspace(filled) as desk:
         desk.session.show(MESH)
         desk.settle()
         assert desk.session.frame.exact

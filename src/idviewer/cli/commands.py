@@ -9,11 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import output, words
-from idviewer.cli.options import Asked, Ends, Looks
+from idviewer.cli import output
+from idviewer.cli import parsing as words
+from idviewer.cli.options import DisplayOptions, Endpoints, PictureQuery
 
 if TYPE_CHECKING:
-    from idviewer.cli.words import Point
+    from idviewer.cli.parsing import Point
     from idviewer.core import Distance, InteriorDistance, Shape
     from idviewer.session.pipeline import Pipeline
     from idviewer.session.spectrum_cache import SpectrumCache
@@ -33,7 +34,7 @@ def cache_of(no_cache: bool) -> SpectrumCache | None:
 
 
 def pair(
-    ends: Ends, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
+    ends: Endpoints, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
 ) -> str:
     """The distance of two points, in words or JSON."""
     asked = {"--from": ends.from_ or "", "--to": ends.to or ""}
@@ -52,7 +53,7 @@ def pair(
 
 
 def many(
-    ends: Ends, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
+    ends: Endpoints, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
 ) -> str:
     """The distances of many points from one, as a table or JSON."""
     words.source_of(ends.source or "")
@@ -98,11 +99,11 @@ def solver_of(shape: Shape, kind: Carried, cache: SpectrumCache | None) -> Inter
     """The solver of a shape, with its eigenpairs read or computed; `tell_remarks` says what it warns of."""
     from idviewer.core import InteriorDistance
     from idviewer.core.steps import finish
-    from idviewer.session.eigenpairs import Eigenpairs
+    from idviewer.session.eigenpair_source import EigenpairSource
 
     _tell("computing the embedding; the first run also compiles kernels ...")
     distance, coordinates = kind
-    pairs = Eigenpairs(cache)
+    pairs = EigenpairSource(cache)
     spectrum = finish(pairs.steps(shape, distance)) if distance.spectral else None
     finish(pairs.keep_steps())
     tell_remarks(pairs.remarks(shape))
@@ -113,7 +114,7 @@ def solver_of(shape: Shape, kind: Carried, cache: SpectrumCache | None) -> Inter
 
 def remarks_of(solver: InteriorDistance) -> tuple[str, ...]:
     """What there is to say of the weights that a solver found."""
-    from idviewer.session.prepared import remarks_on
+    from idviewer.session.shape_context import remarks_on
 
     return remarks_on(solver.coordinates)
 
@@ -137,7 +138,7 @@ def kind_of(solver: InteriorDistance) -> dict[str, Any]:
     }
 
 
-def check(asked: Asked, looks: Looks) -> None:
+def check(asked: PictureQuery, looks: DisplayOptions) -> None:
     """Refuses what cannot be drawn, before anything is read or computed."""
     words.source_of(asked.source)
     words.size_of(looks.size)
@@ -148,7 +149,12 @@ def check(asked: Asked, looks: Looks) -> None:
 
 
 def draw(
-    shape: Shape, out: Path, kind: Carried, asked: Asked, looks: Looks, cache: SpectrumCache | None
+    shape: Shape,
+    out: Path,
+    kind: Carried,
+    asked: PictureQuery,
+    looks: DisplayOptions,
+    cache: SpectrumCache | None,
 ) -> None:
     """Computes a picture and writes it."""
     words.need_picture_libraries()
@@ -169,7 +175,7 @@ def draw(
     tell_remarks(frame.remarks)
 
 
-def query_of(shape: Shape, kind: Carried, asked: Asked) -> Query:
+def query_of(shape: Shape, kind: Carried, asked: PictureQuery) -> Query:
     """What a picture is to show, checked against the shape."""
     from idviewer.core import Plane
     from idviewer.session.state import Query
