@@ -14,7 +14,7 @@ from truth import embedding_error
 
 from idviewer.core import MeanValueCoordinates, Mesh, read_mesh, sample_path
 from idviewer.core.coordinates.tolerance import Approximation
-from idviewer.core.interior.equations import extent
+from idviewer.core.interior import extent
 from idviewer.core.steps import finish
 
 TITLE = "Growth: a sample within 1e-3 on finer and finer meshes"

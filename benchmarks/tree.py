@@ -13,7 +13,7 @@ from timing import seconds_of, take_turns
 from truth import embedding_error
 
 from idviewer.core import InteriorDistance
-from idviewer.core.interior.equations import extent
+from idviewer.core.interior import extent
 
 TITLE = "Embedding of 8,000 inner points, a point of them"
 NOTE = (
@@ -58,7 +58,7 @@ def _row(body: Body, rtol: float, points: Floats, exact: Floats, turns: int) -> 
         own / len(points) * 1e6,
         "µs",
         beside=("VTK's weights", peer / THEIRS * 1e6),
-        error=embedding_error(computed, exact, extent(solver.vertex_embedding)),
+        error=embedding_error(computed, exact, extent(solver.boundary.embedding)),
         bar=Bar(times, error=rtol, ratio=True) if body.large and times is not None else None,
         readme=body.readme and times is not None,
     )

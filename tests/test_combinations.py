@@ -86,7 +86,7 @@ def test_they_run_and_agree(
     assert solver.contains([point]).all()
 
     planes = () if shape.dimension == 2 else (_through(source),)
-    query = Query(planes, (*source, 0.0)[:3], solver.distance_kind, coordinates=coordinates)
+    query = Query(planes, (*source, 0.0)[:3], solver.boundary.distance, coordinates=coordinates)
     results = list(Pipeline().results(FrameRequest(shape, query)))
     assert not [one for one in results if isinstance(one, Failure)]
     frame = results[-1]

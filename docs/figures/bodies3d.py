@@ -67,8 +67,8 @@ def numbers(run: Run, mesh: Mesh, source: tuple[float, float, float]) -> list[st
     solver = InteriorDistance(mesh)
     points = inner_points(mesh, 50 if run.tiny else 1000)
     inside = solver.field(source, points)
-    at = np.linalg.norm(solver.vertex_embedding - solver.embed([source]), axis=1)
-    negative = np.nanmean(solver.negativity(points))
+    at = np.linalg.norm(solver.boundary.embedding - solver.embed([source]), axis=1)
+    negative = np.nanmean(solver.coordinates.negativity(points))
     return [
         f"{len(solver.spectrum.values)}",
         f"{np.nanmax(inside) / at.max():.3f}",

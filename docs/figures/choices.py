@@ -154,7 +154,7 @@ def kind_numbers(solver: InteriorDistance, polygon: Polygon) -> list[str]:
     places = points.points[points.inner]
     weights = solver.coordinates.weights(places)
     error = np.linalg.norm(weights @ polygon.vertices - places, axis=1).max() / diameter(polygon.vertices)
-    ends = np.linalg.norm(solver.vertex_embedding - solver.embed([HAND]), axis=1).max()
+    ends = np.linalg.norm(solver.boundary.embedding - solver.embed([HAND]), axis=1).max()
     inside = solver.field(HAND, places)
     return [
         f"{error:.1g}",

@@ -58,7 +58,7 @@ class Filling:
         """(p, k) the points' images; where rounding puts one of the outline outside, between its ends'."""
         images = solver.embed(self.points)
         lost = np.flatnonzero(~np.isfinite(images[:, 0]))
-        images[lost] = self.mesh.section.interpolate(solver.vertex_embedding)[lost]
+        images[lost] = self.mesh.section.interpolate(solver.boundary.embedding)[lost]
         return images
 
     def distances(self, solver: InteriorDistance, source: ArrayLike) -> Floats:
@@ -73,7 +73,7 @@ class Filling:
 
     def potential(self, solver: InteriorDistance) -> Floats:
         """(p,) U."""
-        return np.linalg.norm(self.embed(solver) - solver.centre, axis=1)
+        return np.linalg.norm(self.embed(solver) - solver.boundary.centre, axis=1)
 
 
 def show(axes: Axes, filling: Filling, values: Floats, source: ArrayLike | None = None) -> None:

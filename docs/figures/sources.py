@@ -95,8 +95,8 @@ def concave(
 ) -> list[str]:
     """The numbers of one shape."""
     corner = nearest(filling.points, (1.0, 1.0))
-    ends = np.linalg.norm(solver.vertex_embedding - solver.embed([source]), axis=1)
-    negative = solver.negativity(filling.points[filling.inner])
+    ends = np.linalg.norm(solver.boundary.embedding - solver.embed([source]), axis=1)
+    negative = solver.coordinates.negativity(filling.points[filling.inner])
     negative = negative[np.isfinite(negative)]
     return [
         percent(values[corner] / values.max()),

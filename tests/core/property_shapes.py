@@ -180,7 +180,7 @@ def stretch(solver: InteriorDistance) -> float:
     with the sum 0; and |p - q| = |V^T z| <= s |z| by linear precision, s the largest singular value of the
     centred vertices.
     """
-    rows = solver.vertex_embedding - solver.vertex_embedding.mean(axis=0)
+    rows = solver.boundary.embedding - solver.boundary.embedding.mean(axis=0)
     smallest = np.linalg.eigvalsh(rows @ rows.T)[1]
     vertices = solver.shape.vertices - solver.shape.vertices.mean(axis=0)
     return float(np.sqrt(max(smallest, 0.0)) / np.linalg.norm(vertices, 2))

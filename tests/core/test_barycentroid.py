@@ -39,7 +39,9 @@ class Counted:
 
 @pytest.mark.parametrize("share", [0.0, TOLERANCE])
 def test_a_scout_leads_to_the_same_point_sooner(solver, share):
-    alone, led, surrogate = (Counted(solver.potential_steps, noise) for noise in (0.0, 0.0, share))
+    alone, led, surrogate = (
+        Counted(solver.interpolation.potential_steps, noise) for noise in (0.0, 0.0, share)
+    )
     expected = finish(barycentroid_steps(solver.shape, alone))
     found = finish(barycentroid_steps(solver.shape, led, surrogate=surrogate))
     assert np.linalg.norm(found.point - expected.point) < 1e-7 * solver.shape.diagonal
@@ -50,10 +52,12 @@ def test_a_scout_leads_to_the_same_point_sooner(solver, share):
 def test_where_a_scout_sees_too_little_it_is_not_followed(solver):
     """After a long time the potential is nearly 0 along a valley, and the tolerance hides its floor."""
     late = solver.with_distance(Diffusion(time=30 / (8 * solver.spectrum.values[0])))
-    expected = finish(barycentroid_steps(late.shape, late.potential_steps))
+    expected = finish(barycentroid_steps(late.shape, late.interpolation.potential_steps))
     found = finish(
         barycentroid_steps(
-            late.shape, late.potential_steps, surrogate=Counted(late.potential_steps, 0.01 * TOLERANCE)
+            late.shape,
+            late.interpolation.potential_steps,
+            surrogate=Counted(late.interpolation.potential_steps, 0.01 * TOLERANCE),
         )
     )
     np.testing.assert_array_equal(found.point, expected.point)
@@ -61,6 +65,6 @@ def test_where_a_scout_sees_too_little_it_is_not_followed(solver):
 
 @pytest.mark.slow
 def test_the_tree_is_such_a_scout(solver):
-    surrogate = partial(solver.potential_steps, rtol=TOLERANCE)
+    surrogate = partial(solver.interpolation.potential_steps, rtol=TOLERANCE)
     expected, found = solver.barycentroid(), finish(solver.barycentroid_steps(surrogate))
     assert np.linalg.norm(found.point - expected.point) < 1e-7 * solver.shape.diagonal

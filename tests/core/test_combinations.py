@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -14,10 +14,12 @@ from idviewer.core import (
     Distance,
     DistanceError,
     InteriorDistance,
+    gram_distance,
     interior_distance,
+    pairwise_distance,
 )
 from idviewer.core.distances import missing
-from idviewer.core.interior.equations import squares_of
+from idviewer.core.interior.embedded_points import squares_of
 
 SHAPES = pytest.mark.parametrize("name", ["random mesh", "random polygon", "random polygon with a hole"])
 
@@ -46,7 +48,7 @@ def test_all_go_together(name, kind, coordinates, rng):
     i, j = (axis.ravel() for axis in np.indices((6, 6)))
     for values in (
         solver.distance(points[i], points[j]),
-        solver.gram_distance(points[i], points[j]),
+        gram_distance(solver, points[i], points[j]),
         np.concatenate([solver.field(point, points) for point in points]),
     ):
         apart = values.reshape(6, 6)
@@ -60,10 +62,10 @@ def test_all_go_together(name, kind, coordinates, rng):
     assert np.isfinite(solver.embed(points[:-1])).all()
     assert np.isnan(solver.embed(points[-1:])).all()
     assert (solver.potential(points[:-1]) >= 0).all()
-    for each in (solver.potential(points), solver.negativity(points)):
+    for each in (solver.potential(points), solver.coordinates.negativity(points)):
         np.testing.assert_array_equal(np.isnan(each), [False] * 5 + [True])
     np.testing.assert_array_equal(solver.contains(points), [True] * 5 + [False])
-    assert solver.description.startswith(solver.distance_kind.title)
+    assert solver.description.startswith(solver.boundary.distance.title)
 
 
 @pytest.mark.one_is_quick
@@ -74,9 +76,9 @@ def test_no_points_give_no_distances(name, kind):
     solver, none = solver_of(name, kind), np.empty((0, body.dimension))
     assert solver.distance(none, none).shape == (0,)
     assert solver.field(body.vertices[0], none).shape == (0,)
-    assert solver.embed(none).shape == (0, solver.basis.shape[1])
+    assert solver.embed(none).shape == (0, solver.boundary.basis.shape[1])
     assert solver.potential(none).shape == (0,)
-    assert solver.negativity(none).shape == (0,)
+    assert solver.coordinates.negativity(none).shape == (0,)
 
 
 @SHAPES
@@ -89,13 +91,13 @@ def test_points_of_the_other_dimension_are_refused_in_one_line(name, kind):
     for call in (
         lambda: solver.distance(wrong, right),
         lambda: solver.distance(right, wrong),
-        lambda: solver.gram_distance(wrong, right),
-        lambda: solver.pairwise_distance(right, wrong),
+        lambda: gram_distance(solver, wrong, right),
+        lambda: pairwise_distance(solver, right, wrong),
         lambda: solver.field(right[0], wrong),
         lambda: solver.field(wrong[0], right),
         lambda: solver.embed(wrong),
         lambda: solver.potential(wrong),
-        lambda: solver.negativity(wrong),
+        lambda: solver.coordinates.negativity(wrong),
         lambda: solver.contains(wrong),
         lambda: interior_distance(body, wrong, right),
     ):
@@ -109,7 +111,7 @@ def test_points_of_the_other_dimension_are_refused_in_one_line(name, kind):
 def test_lists_of_different_lengths_are_refused_in_one_line(name, kind):
     body = shape(name)
     solver = solver_of(name, kind)
-    for call in (solver.distance, solver.gram_distance, solver.pairwise_distance):
+    for call in (solver.distance, partial(gram_distance, solver), partial(pairwise_distance, solver)):
         with pytest.raises(
             ValueError, match="between 3 points and 2 points: there must be as many of both"
         ) as error:

@@ -15,7 +15,15 @@ from tests.core.coordinate_bodies import (
     with_vertices,
 )
 
-from idviewer.core import COORDINATES, Coordinates, Diffusion, Euclidean, InteriorDistance, Property
+from idviewer.core import (
+    COORDINATES,
+    Coordinates,
+    Diffusion,
+    Euclidean,
+    InteriorDistance,
+    Property,
+    gram_distance,
+)
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.steps import finish
 
@@ -100,7 +108,7 @@ def test_second_differences_along_lines_converge(body, name, rng):
 def test_without_that_property_some_are_negative_in_concave_shapes(name, shape, rng):
     points, weights = weights_inside(SHAPES[shape], name, rng)
     assert weights.min() < -5e-4
-    negativity = InteriorDistance(SHAPES["torus"], Euclidean(), name).negativity
+    negativity = InteriorDistance(SHAPES["torus"], Euclidean(), name).coordinates.negativity
     if shape == "torus":
         expected = np.where(weights < 0, -weights, 0).sum(axis=1)
         np.testing.assert_allclose(negativity(points), expected, atol=1e-13)
@@ -207,12 +215,12 @@ def test_interior_distances_of_a_mesh_work_with_all_of_them(name, rng):
     points = inner_points(body, rng, 12)
     rough = InteriorDistance(body, Diffusion(), name, rtol=1e-3, spectrum=solver.spectrum)
     p, q = points[:6], points[6:]
-    exact, embedded = solver.distance(p, q), solver.coordinates.weights(points) @ solver.vertex_embedding
+    exact, embedded = solver.distance(p, q), solver.coordinates.weights(points) @ solver.boundary.embedding
     np.testing.assert_allclose(exact, np.linalg.norm(embedded[:6] - embedded[6:], axis=1), rtol=1e-9)
-    np.testing.assert_allclose(solver.gram_distance(p, q), exact, rtol=1e-7)
-    largest = np.linalg.norm(solver.vertex_embedding[:, None] - solver.vertex_embedding, axis=2).max()
+    np.testing.assert_allclose(gram_distance(solver, p, q), exact, rtol=1e-7)
+    largest = np.linalg.norm(solver.boundary.embedding[:, None] - solver.boundary.embedding, axis=2).max()
     np.testing.assert_allclose(rough.distance(p, q), exact, atol=1e-3 * largest)
-    if rough.coordinates.approximation(rough.basis, np.ones(rough.basis.shape[1])) is None:
+    if rough.coordinates.approximation(rough.boundary.basis, np.ones(rough.boundary.basis.shape[1])) is None:
         np.testing.assert_array_equal(rough.embed(points), solver.embed(points))
 
 
@@ -226,7 +234,7 @@ def test_interior_distances_of_a_polygon_work_with_all_of_them(name, rng):
     if Property.LINEAR_PRECISION in COORDINATES[name].properties:
         np.testing.assert_allclose(found, expected, atol=1e-10)
     assert (found > 0).all()
-    assert solver.negativity(points).shape == (20,)
+    assert solver.coordinates.negativity(points).shape == (20,)
 
 
 def test_the_table_is_in_the_order_of_ranks():

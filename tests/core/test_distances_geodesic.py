@@ -13,7 +13,7 @@ from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polyg
 from idviewer.core.distances.classical_mds import classical_mds_steps, double_centred, landmark_mds_steps
 from idviewer.core.distances.geodesics import Geodesics, landmark_steps
 from idviewer.core.distances.spectral import percentage
-from idviewer.core.interior.equations import squares_of
+from idviewer.core.interior.embedded_points import squares_of
 from idviewer.core.steps import finish
 
 
@@ -72,7 +72,7 @@ def test_a_polygon_s_embedding_is_the_positive_part_of_its_gram_matrix():
         values, vectors = np.linalg.eigh(double_centred(shortest_paths(polygon) ** 2))
         positive = (vectors * np.maximum(values, 0)) @ vectors.T
         solver = InteriorDistance(polygon, Geodesic())
-        gram = solver.vertex_embedding @ solver.vertex_embedding.T
+        gram = solver.boundary.embedding @ solver.boundary.embedding.T
         np.testing.assert_allclose(gram, positive, atol=1e-9 * values[-1])
         left_out = -values[values < 0].sum() / abs(values).sum()
         assert left_out > 0.01
@@ -112,7 +112,7 @@ def test_scaling_is_the_positive_part_of_the_gram_matrix(sphere):
     values, vectors = np.linalg.eigh(double_centred(squares))
     positive = (vectors * np.maximum(values, 0)) @ vectors.T
     solver = InteriorDistance(sphere, Geodesic())
-    np.testing.assert_allclose(solver.vertex_embedding @ solver.vertex_embedding.T, positive, atol=1e-8)
+    np.testing.assert_allclose(solver.boundary.embedding @ solver.boundary.embedding.T, positive, atol=1e-8)
     left_out = -values[values < 0].sum() / abs(values).sum()
     assert f"all pairs, {100 * left_out:.2g}%" in solver.description
     assert left_out > 0.01, "a sphere's geodesics do not embed"
@@ -125,7 +125,7 @@ def test_few_landmarks_come_as_near_to_the_geodesics_as_all_pairs_do(sphere):
     errors = []
     for landmarks in (60, 2000):
         solver = InteriorDistance(sphere, Geodesic(landmarks=landmarks))
-        errors.append(abs(np.sqrt(squares_of(solver.vertex_embedding)) - angles).mean() / angles.mean())
+        errors.append(abs(np.sqrt(squares_of(solver.boundary.embedding)) - angles).mean() / angles.mean())
     assert "all pairs" in solver.description
     assert errors[0] < 1.05 * errors[1] < 0.4
 
@@ -135,9 +135,9 @@ def test_it_tells_of_its_progress_and_shares_its_basis_with_itself(sphere):
     assert len(shares) >= 30
     assert shares == sorted(shares)
     solver = InteriorDistance(sphere, Geodesic(landmarks=30))
-    assert solver.with_distance(Geodesic(landmarks=30)).basis is solver.basis
-    assert not solver.shares_basis(Geodesic(landmarks=31))
-    assert not solver.shares_basis(Geodesic(landmarks=30, method="exact"))
+    assert solver.with_distance(Geodesic(landmarks=30)).boundary.basis is solver.boundary.basis
+    assert not solver.boundary.shares_basis(Geodesic(landmarks=31))
+    assert not solver.boundary.shares_basis(Geodesic(landmarks=30, method="exact"))
 
 
 @pytest.mark.parametrize(
@@ -174,5 +174,5 @@ def test_27_000_vertices_with_300_landmarks():
     solver = InteriorDistance(mesh, Geodesic(landmarks=300))
     some = np.arange(0, len(mesh.vertices), 271)
     exact = Geodesics(mesh, "heat").from_vertex(0)[some]
-    found = np.linalg.norm(solver.vertex_embedding[some] - solver.vertex_embedding[0], axis=1)
+    found = np.linalg.norm(solver.boundary.embedding[some] - solver.boundary.embedding[0], axis=1)
     assert abs(found - exact).mean() < 0.2 * exact.mean()

@@ -15,9 +15,11 @@ from idviewer.core import (
     GivenEmbedding,
     InteriorDistance,
     Mesh,
+    gram_distance,
+    pairwise_distance,
 )
 from idviewer.core.distances.classical_mds import double_centred
-from idviewer.core.interior.equations import squares_of
+from idviewer.core.interior.embedded_points import squares_of
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,7 @@ def test_given_euclidean_distances_are_reproduced_inside(mesh, straight, rng, tm
     np.save(tmp_path / "d.npy", straight)
     for given in (straight, tmp_path / "d.npy", str(tmp_path / "d.npy")):
         solver = InteriorDistance(mesh, GivenDistances(given))
-        assert solver.basis.shape[1] == 3
+        assert solver.boundary.basis.shape[1] == 3
         np.testing.assert_allclose(solver.distance(points[:20], points[20:]), expected, rtol=1e-6)
         assert "left out" not in solver.description
 
@@ -66,7 +68,7 @@ def test_the_distance_does_not_depend_on_the_embedding(mesh, rng):
     points = inner_points(mesh, rng, 40)
     p, q = points[:20], points[20:]
     first = InteriorDistance(mesh, Diffusion())
-    embedding = first.vertex_embedding
+    embedding = first.boundary.embedding
     rotation = np.linalg.qr(rng.standard_normal((embedding.shape[1],) * 2))[0]
     moved = GivenEmbedding(embedding @ rotation + rng.standard_normal(embedding.shape[1]))
     alone = GivenDistances(np.sqrt(squares_of(embedding)))
@@ -75,10 +77,10 @@ def test_the_distance_does_not_depend_on_the_embedding(mesh, rng):
         solver = InteriorDistance(mesh, kind)
         for found in (
             solver.distance(p, q),
-            solver.gram_distance(p, q),
-            solver.pairwise_distance(p, q),
-            solver.pairwise_distance(p, q, expanded=True),
-            solver.pairwise_distance(p, q, squares_of(embedding)),
+            gram_distance(solver, p, q),
+            pairwise_distance(solver, p, q),
+            pairwise_distance(solver, p, q, expanded=True),
+            pairwise_distance(solver, p, q, squares_of(embedding)),
         ):
             np.testing.assert_allclose(found, expected, rtol=1e-6)
 
@@ -123,7 +125,7 @@ def test_distances_that_do_not_embed_are_refused_or_approximated():
         told = float(near.description.split("; ")[1].split("%")[0])
         assert told == pytest.approx(100 * left_out, rel=0.06)
         # Without the negative part all distances are longer.
-        assert (np.sqrt(squares_of(near.vertex_embedding)) >= matrix - 1e-6).all()
+        assert (np.sqrt(squares_of(near.boundary.embedding)) >= matrix - 1e-6).all()
 
 
 def changed(matrix: np.ndarray, row: int, column: int, value: float) -> np.ndarray:

@@ -13,6 +13,7 @@ from idviewer.core import (
     Euclidean,
     InteriorDistance,
     Mesh,
+    gram_distance,
     interior_distance,
     voronoi_areas,
 )
@@ -53,10 +54,10 @@ def test_the_boundary_distance_is_interpolated(mesh, solver):
 def test_equation_1_and_equation_2_agree(mesh, solver, rng):
     points = inner_points(mesh, rng, 60)
     first = solver.distance(points[:30], points[30:])
-    np.testing.assert_allclose(solver.gram_distance(points[:30], points[30:]), first, rtol=1e-9)
+    np.testing.assert_allclose(gram_distance(solver, points[:30], points[30:]), first, rtol=1e-9)
     # Equation 4 needs only the boundary distances.
     weights = solver.coordinates.weights(points[:30]) - solver.coordinates.weights(points[30:])
-    embedded = solver.vertex_embedding
+    embedded = solver.boundary.embedding
     norms = (embedded**2).sum(axis=1)
     squares = norms[:, None] + norms[None] - 2 * embedded @ embedded.T
     fourth = np.sqrt(-0.5 * np.einsum("pi,ij,pj->p", weights, squares, weights))
@@ -108,7 +109,7 @@ def test_renumbering_changes_nothing(mesh, solver, rng):
 def test_points_outside_are_nan_and_points_on_the_surface_are_not(mesh, solver):
     outside = solver.embed([[9.0, 9.0, 9.0], mesh.vertices[0].tolist()])
     assert np.isnan(outside[0]).all()
-    np.testing.assert_allclose(outside[1], solver.vertex_embedding[0], rtol=1e-12)
+    np.testing.assert_allclose(outside[1], solver.boundary.embedding[0], rtol=1e-12)
 
 
 @pytest.mark.slow
@@ -202,4 +203,13 @@ def test_every_registered_distance_works(name, mesh, rng):
     solver = InteriorDistance(mesh, with_files(name, mesh))
     field = solver.field(mesh.vertices[0], inner_points(mesh, rng))
     assert (field > 0).all()
-    assert solver.description.startswith(solver.distance_kind.title)
+    assert solver.description.startswith(solver.boundary.distance.title)
+
+
+def test_the_class_is_small_and_shows_how_each_member_is_called(mesh):
+    members = {name for name in dir(InteriorDistance(mesh, Euclidean())) if not name.startswith("_")}
+    assert len(members) <= 15
+    without = {
+        name for name in members if ">>>" not in (getattr(InteriorDistance, name, InteriorDistance).__doc__)
+    }
+    assert not without

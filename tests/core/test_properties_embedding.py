@@ -17,7 +17,16 @@ from tests.core.property_shapes import (
     solver_of,
 )
 
-from idviewer.core import COORDINATES, Euclidean, GivenDistances, GivenEmbedding, InteriorDistance, Property
+from idviewer.core import (
+    COORDINATES,
+    Euclidean,
+    GivenDistances,
+    GivenEmbedding,
+    InteriorDistance,
+    Property,
+    gram_distance,
+    pairwise_distance,
+)
 from idviewer.core.distances.classical_mds import double_centred
 
 
@@ -43,15 +52,15 @@ def test_independence_of_the_embedding_by_four_equations(name, kind, coordinates
     fourth = -0.5 * quadratic(squares, first - second, first - second)
     halves = 0.5 * (quadratic(squares, first, first) + quadratic(squares, second, second))
     fifth = quadratic(squares, first, second) - halves
-    gram = solver.vertex_embedding @ solver.vertex_embedding.T
+    gram = solver.boundary.embedding @ solver.boundary.embedding.T
     assert fourth.min() > 0
     found = {
         "eq. 1": solver.distance(p, q),
-        "eq. 2": solver.gram_distance(p, q),
+        "eq. 2": gram_distance(solver, p, q),
         "eq. 2, the matrix formed": np.sqrt(quadratic(gram, first - second, first - second)),
-        "eq. 4": solver.pairwise_distance(p, q),
+        "eq. 4": pairwise_distance(solver, p, q),
         "eq. 4, written out": np.sqrt(fourth),
-        "eq. 5": solver.pairwise_distance(p, q, expanded=True),
+        "eq. 5": pairwise_distance(solver, p, q, expanded=True),
         "eq. 5, written out": np.sqrt(fifth),
     }
     for equation, values in found.items():

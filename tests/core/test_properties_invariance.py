@@ -215,7 +215,7 @@ def test_renumbering_changes_nothing(name, kind, coordinates, rng):
     other = renumbered(body, order, rng)
     distance = made(kind, body)
     if kind in ("matrix", "embedding"):
-        distance = GivenEmbedding(solver_of(kind, body, "mean_value").vertex_embedding[order])
+        distance = GivenEmbedding(solver_of(kind, body, "mean_value").boundary.embedding[order])
     expected = InteriorDistance(body, made(kind, body), coordinates).distance(p, q)
     found = InteriorDistance(other, distance, coordinates).distance(p, q)
     np.testing.assert_allclose(found, expected, rtol=1e-6)

@@ -26,7 +26,7 @@ from idviewer.core import (
     sample_path,
 )
 from idviewer.core.coordinates import coordinates_of
-from idviewer.core.interior.equations import squares_of
+from idviewer.core.interior.embedded_points import squares_of
 
 POSITIVE = [name for name, kind in COORDINATES.items() if Property.NON_NEGATIVITY in kind.properties]
 BARYCENTRIC = [name for name, kind in COORDINATES.items() if Property.LINEAR_PRECISION in kind.properties]
@@ -75,7 +75,7 @@ def test_metric_of_full_rank(name, kind, coordinates, rng):
     body = shape(name)
     solver = full_rank(body, kind, coordinates)
     bound = stretch(solver)
-    assert bound * body.diagonal > 1e-3 * np.sqrt(squares_of(solver.vertex_embedding).max())
+    assert bound * body.diagonal > 1e-3 * np.sqrt(squares_of(solver.boundary.embedding).max())
     points = np.concatenate([inside(body, rng, 40), body.vertices[:10]])
     check_axioms(all_distances(solver, points))
     p = np.repeat(points, 40, axis=0)
@@ -110,7 +110,7 @@ def test_same_topology_along_sequences(name, kind, coordinates, rng):
     solver = full_rank(body, kind, coordinates)
     bound = stretch(solver)
     points = inside(body, rng, 30)
-    largest = np.sqrt(squares_of(solver.vertex_embedding).max())
+    largest = np.sqrt(squares_of(solver.boundary.embedding).max())
     assert bound * body.diagonal > 1e-3 * largest
     steps = 0.5 ** np.arange(40.0)[:, None]
     for limit in (*points[:5], *body.vertices[:5]):
@@ -161,7 +161,9 @@ def test_maximum_principle(name, coordinates, rng):
     body = shape(name)
     points = inside(body, rng, 150)
     mean_value = solver_of("diffusion", body, "mean_value")
-    against = np.sign(mean_value.coordinates.weights(points)[np.argmax(mean_value.negativity(points))])
+    against = np.sign(
+        mean_value.coordinates.weights(points)[np.argmax(mean_value.coordinates.negativity(points))]
+    )
     weights = coordinates_of(body, coordinates).weights(points)
     assert weights.min() >= 0
     for kind in (*EXACT, "geodesic", "against mean value"):
@@ -170,11 +172,11 @@ def test_maximum_principle(name, coordinates, rng):
         else:
             made = Geodesic() if kind == "geodesic" else GivenEmbedding(against[:, None])
             solver = InteriorDistance(body, made, coordinates)
-        images = weights @ solver.vertex_embedding
-        inner, outer = np.sqrt(squares_of(images).max()), np.sqrt(squares_of(solver.vertex_embedding).max())
+        images = weights @ solver.boundary.embedding
+        inner, outer = np.sqrt(squares_of(images).max()), np.sqrt(squares_of(solver.boundary.embedding).max())
         assert inner <= outer * (1 + 1e-12)
         assert inner > 0.1 * outer, "the points reach far"
-    assert (solver.negativity(points[:9]) == 0).all()
+    assert (solver.coordinates.negativity(points[:9]) == 0).all()
 
 
 @pytest.mark.slow
@@ -188,18 +190,18 @@ def test_maximum_principle_is_violated_with_mean_value_coordinates_in_deep_bays(
     body = read_shape(sample_path(name))
     points = inside(body, rng, 1500)
     solver = solver_of("diffusion", body, "mean_value")
-    negative = solver.negativity(points)
+    negative = solver.coordinates.negativity(points)
     assert negative.max() > 0.2
     images = solver.embed(points)
     between = squares_of(images)
-    largest = np.sqrt(squares_of(solver.vertex_embedding).max())
+    largest = np.sqrt(squares_of(solver.boundary.embedding).max())
     assert np.sqrt(between.max()) > (1 + excess) * largest
     ends = points[list(np.unravel_index(between.argmax(), between.shape))]
     assert solver.distance(ends[:1], ends[1:]) > (1 + excess) * largest
-    assert solver.negativity(ends).max() > 0
+    assert solver.coordinates.negativity(ends).max() > 0
     for coordinates in POSITIVE:
         other = solver_of("diffusion", body, coordinates)
-        assert (other.negativity(ends) == 0).all()
+        assert (other.coordinates.negativity(ends) == 0).all()
         assert other.distance(ends[:1], ends[1:]) <= largest
 
 
@@ -216,7 +218,7 @@ def test_maximum_principle_can_be_violated_wherever_weights_are_negative(rng):
         at = int(np.argmin(weights.min(axis=1)))
         signs = np.where(weights[at] < 0, -1.0, 1.0)
         solver = InteriorDistance(body, GivenEmbedding(signs[:, None]))
-        negativity = solver.negativity(points[at : at + 1])[0]
+        negativity = solver.coordinates.negativity(points[at : at + 1])[0]
         assert negativity > 1e-3
         worst = body.vertices[[int(weights[at].argmin())]]
         found = solver.distance(points[at : at + 1], worst)

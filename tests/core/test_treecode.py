@@ -14,7 +14,7 @@ from idviewer.core._kernels.treecode.normalize import Target
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.tolerance import FINEST, Approximation
 from idviewer.core.coordinates.treecode import Treecode
-from idviewer.core.interior.equations import extent
+from idviewer.core.interior import extent
 from idviewer.core.steps import finish
 
 DEPTHS = (0.0, 1e-9, 1e-6, 1e-3)
@@ -113,9 +113,9 @@ def test_distances_are_within_rtol_of_the_largest(rng):
     true = exact.embed(points)
     p, q = rng.choice(np.flatnonzero(np.isfinite(true[:, 0])), size=(2, 5000))
     largest = max(
-        np.linalg.norm(exact.vertex_embedding - row, axis=1).max() for row in exact.vertex_embedding
+        np.linalg.norm(exact.boundary.embedding - row, axis=1).max() for row in exact.boundary.embedding
     )
-    assert extent(exact.vertex_embedding) <= largest * (1 + 1e-12)
+    assert extent(exact.boundary.embedding) <= largest * (1 + 1e-12)
     for rtol in (1e-2, 1e-4, 1e-6):
         near = InteriorDistance(mesh, rtol=rtol, spectrum=exact.spectrum).embed(points)
         errors = np.linalg.norm(true[p] - true[q], axis=1) - np.linalg.norm(near[p] - near[q], axis=1)
@@ -233,8 +233,8 @@ def test_columns_that_count_nothing_are_left_out(rng):
 @pytest.mark.slow
 def test_what_serves_several_distances_counts_the_worst_of_them():
     solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
-    short = Diffusion(time=solver.distance_kind.resolved_time(solver.spectrum) / 8)
-    own, both = solver.error_weights(), solver.error_weights([short])
+    short = Diffusion(time=solver.boundary.distance.resolved_time(solver.spectrum) / 8)
+    own, both = solver.interpolation.error_weights(), solver.interpolation.error_weights([short])
     assert (both >= own).all()
     assert both[-1] > 1000 * own[-1]
 

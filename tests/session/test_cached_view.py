@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from tests.session.bodies import egg
 
-from idviewer.core import Biharmonic, Diffusion, InteriorDistance, Plane
+from idviewer.core import Biharmonic, Diffusion, Plane
+from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.session import eigenpair_source as eigenpairs
 from idviewer.session import spectrum_cache
 from idviewer.session.cached_view import default_plane
@@ -70,7 +71,7 @@ def opening_of(cache: SpectrumCache) -> Path:
 def test_it_takes_no_sample(seen, monkeypatch):
     cache, first = seen
     monkeypatch.delattr(eigenpairs, "eigenpair_steps")
-    monkeypatch.setattr(InteriorDistance, "sample_steps", None)
+    monkeypatch.setattr(BasisInterpolation, "sample_steps", None)
     again, _ = view(cache, stop=True)
     assert stages(again) == [READING]
     (frame,) = frames(again)
@@ -125,6 +126,6 @@ def test_damage_is_remarked_once_and_mended(copy):
 
 
 def test_the_command_line_stops_at_its_last_frame(seen, monkeypatch):
-    monkeypatch.setattr(InteriorDistance, "sample_steps", None)
+    monkeypatch.setattr(BasisInterpolation, "sample_steps", None)
     frame = run_to_end(MESH, frames(seen[1])[-1].query, Pipeline(seen[0]))
     assert frame.exact

@@ -8,6 +8,7 @@ from tests.session.bodies import egg
 
 from idviewer.core import GPS, Biharmonic, Diffusion, Distance, Euclidean, InteriorDistance, MeshError, Plane
 from idviewer.core.interior import barycentroid as barycentroid_module
+from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.session import eigenpair_source as eigenpairs_module
 from idviewer.session.pipeline import Pipeline
@@ -30,13 +31,13 @@ def pipeline() -> Pipeline:
 def sampled(monkeypatch) -> list[int]:
     """How many points were sampled, call by call."""
     counts: list[int] = []
-    original = InteriorDistance.sample_steps
+    original = BasisInterpolation.sample_steps
 
     def counting(self, points, **more):
         counts.append(len(points))
         return original(self, points, **more)
 
-    monkeypatch.setattr(InteriorDistance, "sample_steps", counting)
+    monkeypatch.setattr(BasisInterpolation, "sample_steps", counting)
     return counts
 
 

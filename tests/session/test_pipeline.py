@@ -7,6 +7,7 @@ import pytest
 from tests.session.bodies import egg
 
 from idviewer.core import Euclidean, InteriorDistance, Plane
+from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import (
     DropRequest,
@@ -91,14 +92,14 @@ def test_coarse_frames_come_first_and_state_their_error(pipeline, solver):
 @pytest.mark.slow
 def test_a_new_source_samples_only_itself(pipeline, monkeypatch):
     sampled: list[int] = []
-    original = InteriorDistance.sample_steps
+    original = BasisInterpolation.sample_steps
 
     def counting(self, points, **more):
         sampled.append(len(points))
         return original(self, points, **more)
 
     frames_of(pipeline, QUERY)
-    monkeypatch.setattr(InteriorDistance, "sample_steps", counting)
+    monkeypatch.setattr(BasisInterpolation, "sample_steps", counting)
     moved = Query(planes=(PLANE,), source=(0.0, -0.3, -0.5))
     frames = frames_of(pipeline, moved)
     assert sampled == [1]

@@ -18,9 +18,8 @@ STAGES = ("Simplifying the mesh", "Computing coarse eigenpairs", "Refining eigen
 
 @pytest.fixture(autouse=True)
 def _small(monkeypatch):
-    monkeypatch.setattr(preview, "SMALLEST", 2000)
-    monkeypatch.setattr(preview, "VERTICES", 1200)
-    monkeypatch.setattr(preview, "FEWER", 300)
+    settings = preview.PreviewSettings(least_vertices=2000, vertices=1200, coarser_vertices=300)
+    monkeypatch.setattr(preview, "PREVIEW_SETTINGS", settings)
 
 
 def opened(qtbot: QtBot) -> MainWindow:

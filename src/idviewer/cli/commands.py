@@ -129,7 +129,7 @@ def kind_of(solver: InteriorDistance) -> dict[str, Any]:
     """The distance's name, the values of its parameters, and the coordinates' name, for JSON."""
     from idviewer.core.distances import values_of
 
-    distance = solver.distance_kind
+    distance = solver.boundary.distance
     lambda_2 = float(solver.spectrum.values[0]) if distance.spectral else None
     return {
         "distance": distance.name,

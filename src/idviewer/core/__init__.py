@@ -24,9 +24,9 @@ from idviewer.core.distances import (
 )
 from idviewer.core.errors import DistanceError, ShapeError
 from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.one_off import interior_distance
 from idviewer.core.interior.solver import InteriorDistance
-from idviewer.core.interior.truncation import TruncationError, truncation_error
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
 from idviewer.core.io.samples import sample_names, sample_path
@@ -77,14 +77,15 @@ __all__ = [
     "ShapeError",
     "SpectralFilter",
     "Spectrum",
-    "TruncationError",
     "cotangent_laplacian",
     "diagnose",
     "eigenpairs",
+    "gram_distance",
     "interior_distance",
     "laplacian_of",
     "masses_of",
     "mean_value_weights",
+    "pairwise_distance",
     "parameters_of",
     "polygon_laplacian",
     "polygon_section",
@@ -96,7 +97,6 @@ __all__ = [
     "sample_names",
     "sample_path",
     "section",
-    "truncation_error",
     "voronoi_areas",
     "voronoi_lengths",
     "write_polygon",

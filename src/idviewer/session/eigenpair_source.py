@@ -10,7 +10,7 @@ from typing import NamedTuple
 from weakref import ref
 
 from idviewer.core import Distance, Shape, Spectrum
-from idviewer.core.interior.preview import is_worth_previewing
+from idviewer.core.interior import is_worth_previewing
 from idviewer.core.spectrum.eigen_solver import eigenpair_steps
 from idviewer.session.cached_view import CachedView
 from idviewer.session.progress import with_progress

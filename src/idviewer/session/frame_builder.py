@@ -7,7 +7,7 @@ from collections.abc import Generator
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.interior.solver import OF_A_POINT
+from idviewer.core.interior import ERROR_SHARE_OF_AN_END
 from idviewer.core.sampling.plane_samples import PlaneSamples, SampledSlice
 from idviewer.core.sampling.point_norms import squares_of
 from idviewer.session.shape_context import ShapeContext
@@ -74,18 +74,26 @@ class FrameBuilder:
         potential = query.quantity == "potential"
         # The source is looked at also where it does not count: it may lie outside.
         measured_from = yield from self._image(source, rtol)
-        origin = solver.centre if potential else measured_from
+        origin = solver.boundary.centre if potential else measured_from
         lowest = 0.0
         if potential:
             lowest = float(np.linalg.norm((yield from self._image(barycentroid, rtol)) - origin))
         drawn = tuple(
-            Slice(plane, one.points, one.triangles, one.cloud.distances(solver.scale, origin), one.outline)
+            Slice(
+                plane,
+                one.points,
+                one.triangles,
+                one.cloud.distances(solver.boundary.scale, origin),
+                one.outline,
+            )
             for plane, one in zip(self._planes, slices, strict=True)
         )
         yield
-        highest = self._sampled.body.farthest(solver.scale, origin)
+        highest = self._sampled.body.farthest(solver.boundary.scale, origin)
         of_source = 0.0 if exact_points or potential else rtol
-        sampled_within = OF_A_POINT * (of_source + max(one.rtol for one in slices)) if slices else 0.0
+        sampled_within = (
+            ERROR_SHARE_OF_AN_END * (of_source + max(one.rtol for one in slices)) if slices else 0.0
+        )
         frame = Frame(
             shape=self._prepared.shape,
             query=query,
@@ -119,10 +127,10 @@ class FrameBuilder:
         return (source, barycentroid) if self._query.quantity == "potential" else (source,)
 
     def _image(self, point: Point, rtol: float) -> Generator[None, None, Floats]:
-        return (yield from self._sampled.row_steps(point, rtol)) * self.solver.scale
+        return (yield from self._sampled.row_steps(point, rtol)) * self.solver.boundary.scale
 
     def _probed(self, one: SampledSlice) -> float:
-        return float(np.sqrt(squares_of(one.probed_error, self.solver.scale, 0.0).max(initial=0.0)))
+        return float(np.sqrt(squares_of(one.probed_error, self.solver.boundary.scale, 0.0).max(initial=0.0)))
 
 
 def _frozen(frame: Frame) -> Frame:

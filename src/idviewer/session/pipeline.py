@@ -10,7 +10,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, InteriorDistance, Polygon, Shape, Spectrum, read_shape
+from idviewer.core import Distance, Polygon, Shape, Spectrum, read_shape
+from idviewer.core.interior import solver_steps
 from idviewer.core.memory import release_free_memory
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.spectrum.memory_estimate import check_room
@@ -183,7 +184,7 @@ class Pipeline:
         if known is not None:
             known.spectrum = spectrum
             return known
-        steps = InteriorDistance.steps(shape, query.distance, query.coordinates, spectrum)
+        steps = solver_steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from with_progress(_stage(query.distance), steps)
         prepared = ShapeContext(solver, self._centre(request))
         if opening is not None:

@@ -10,13 +10,13 @@ import numpy as np
 
 from idviewer.core import Distance, Mesh, Shape, ShapeError, Spectrum
 from idviewer.core.distances.spectral import percentage
-from idviewer.core.interior.equations import extent
-from idviewer.core.interior.preview import (
-    COARSE,
+from idviewer.core.interior import (
+    EIGENPAIRS_STAGE,
     Preview,
-    PreviewDistance,
+    extent,
     is_worth_previewing,
     preview_cutoff,
+    preview_solver,
     preview_steps,
 )
 from idviewer.core.steps import beside, without_shares
@@ -110,12 +110,12 @@ class Previews:
         if preview is None:
             return
         for _ in beside(lambda: shape.patches):  # which the first section needs
-            yield Progress(COARSE)
-        solver = PreviewDistance(preview, query.distance, query.coordinates)
+            yield Progress(EIGENPAIRS_STAGE)
+        solver = preview_solver(preview, query.distance, query.coordinates)
         prepared = ShapeContext(solver, finest=NODES)
         for _ in prepared.find_barycentroid_steps(solver):
             yield Progress(SEARCHING)
-        if solver.keeps_inside(prepared.barycentroid(query)):
+        if preview.keeps_inside(prepared.barycentroid(query)):
             self._preview, self._prepared, self._errors = preview, prepared, {}
 
     def _pictures(self, query: Query) -> Pictures:
@@ -146,8 +146,8 @@ class Previews:
         """Of a distance: the share, and the largest distance on the boundary."""
         assert self._preview is not None
         if distance not in self._errors:
-            solver = framing.solver
-            self._errors[distance] = self._preview.error(distance), extent(solver.basis * solver.scale)
+            embedding = framing.solver.boundary.embedding
+            self._errors[distance] = self._preview.error(distance), extent(embedding)
         return self._errors[distance]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from idviewer.core import Coordinates, Distance, InteriorDistance, Plane, Spectrum
 from idviewer.core.arrays import Floats, in_space
-from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior import Barycentroid, solver_steps
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.point_norms import MaxNorm
 from idviewer.core.sampling.sampler import Sampler
@@ -49,7 +49,7 @@ class BasisSamples:
         # A warning would be lost in the compute thread; `remarks` tells instead.
         solver.coordinates.warns = False
         self.sampler = Sampler(solver)
-        self.body = MaxNorm(solver.basis)
+        self.body = MaxNorm(solver.boundary.basis)
         self._planes: OrderedDict[Plane, PlaneSamples] = OrderedDict()
         self._points: OrderedDict[Point, Floats] = OrderedDict()
 
@@ -66,7 +66,7 @@ class BasisSamples:
     def _affordable(self) -> int:
         effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
         visits = FACE_VISITS / (effort * len(self.solver.shape.facets))
-        return int(min(visits, NUMBERS / self.solver.basis.shape[1]))
+        return int(min(visits, NUMBERS / self.solver.boundary.basis.shape[1]))
 
     def restore(self, opening: CachedView) -> None:
         """Takes samples that were taken before."""
@@ -145,8 +145,8 @@ class ShapeContext:
     def __init__(
         self, solver: InteriorDistance, centre: Point | None = None, finest: int | None = None
     ) -> None:
-        self.shape, self._finest = solver.full_shape, finest
-        self.spectrum: Spectrum | None = solver.spectrum if solver.distance_kind.spectral else None
+        self.shape, self._finest = solver.boundary.full_shape, finest
+        self.spectrum: Spectrum | None = solver.spectrum if solver.boundary.distance.spectral else None
         self._sampled = [BasisSamples(solver, finest)]
         self._found: dict[Kind, Point] = {}
         self._latest = centre
@@ -175,14 +175,14 @@ class ShapeContext:
         if any(_serves(one, query) for one in self._sampled):
             return
         for one in self._sampled:
-            if one.solver.shares_basis(query.distance):
+            if one.solver.boundary.shares_basis(query.distance):
                 self._keep(one.solver.with_coordinates(query.coordinates))
                 return
         key = query.distance.basis_key, query.coordinates
         if self._building is None or self._building[0] != key:
             self._building = (
                 key,
-                InteriorDistance.steps(self.shape, query.distance, query.coordinates, self.spectrum),
+                solver_steps(self.shape, query.distance, query.coordinates, self.spectrum),
             )
         while True:
             try:
@@ -224,7 +224,7 @@ class ShapeContext:
 
     def find_barycentroid_steps(self, solver: InteriorDistance) -> Generator[None, None, None]:
         """Finds the barycentroid of the solver; goes on where a closed search for it stopped."""
-        kind = solver.distance_kind, solver.coordinates.name
+        kind = solver.boundary.distance, solver.coordinates.name
         if self._search is None or self._search[0] != kind:
             sampled = next(one for one in self._sampled if _samples(one, *kind))
             self._search = (kind, solver.barycentroid_steps(sampled.sampler.surrogate(solver)))
@@ -275,4 +275,4 @@ def _serves(sampled: BasisSamples, query: Query) -> bool:
 
 def _samples(sampled: BasisSamples, distance: Distance, coordinates: str) -> bool:
     solver = sampled.solver
-    return solver.coordinates.name == coordinates and solver.shares_basis(distance)
+    return solver.coordinates.name == coordinates and solver.boundary.shares_basis(distance)

@@ -115,6 +115,22 @@ class Coordinates:
         """
         return None
 
+    def negativity(self, points: ArrayLike) -> Floats:
+        """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
+
+        Args:
+            points: (p, dimension).
+
+        Returns:
+            (p,), NaN for points outside the shape.
+
+        >>> from idviewer.core import MeanValueCoordinates, Polygon
+        >>> square = Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])
+        >>> MeanValueCoordinates(square).negativity([[1.0, 2.0]]).tolist()
+        [0.0]
+        """
+        return finish(self.negativity_steps(points))
+
     def negativity_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
         """sum_i max(0, -w_i(p)) of points (p, dimension); yields the share done.
 

@@ -16,7 +16,8 @@ class GPS(PowerOfEigenvalues):
 
     With all modes its square is z^T L^+ z with z the difference of two vertices' unit vectors: exactly that
     of `CommuteTime`, no factor between them. The commute time itself is that times the sum of all degrees
-    (Yen et al. 2007). The paper's cut-off truncates it: `idviewer.core.truncation_error` says by how much.
+    (Yen et al. 2007). The paper's cut-off truncates it.
+
     It depends on how many modes there are: on a surface the sum diverges logarithmically with resolution.
     Source: Rustamov 2007, "Laplace-Beltrami eigenfunctions for deformation invariant shape representation";
     Rustamov et al. 2009, section 4.

@@ -1,1 +1,35 @@
 """Interior distance: a boundary embedding carried inside, measured there (the paper's equations 1 to 5)."""
+
+from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior.embedded_points import extent
+from idviewer.core.interior.equations import gram_distance, pairwise_distance
+from idviewer.core.interior.interpolation import ERROR_SHARE_OF_AN_END
+from idviewer.core.interior.one_off import interior_distance
+from idviewer.core.interior.preview import (
+    EIGENPAIRS_STAGE,
+    SIMPLIFYING_STAGE,
+    Preview,
+    is_worth_previewing,
+    preview_cutoff,
+    preview_steps,
+)
+from idviewer.core.interior.preview_solver import preview_solver
+from idviewer.core.interior.solver import InteriorDistance, solver_steps
+
+__all__ = [
+    "EIGENPAIRS_STAGE",
+    "ERROR_SHARE_OF_AN_END",
+    "SIMPLIFYING_STAGE",
+    "Barycentroid",
+    "InteriorDistance",
+    "Preview",
+    "extent",
+    "gram_distance",
+    "interior_distance",
+    "is_worth_previewing",
+    "pairwise_distance",
+    "preview_cutoff",
+    "preview_solver",
+    "preview_steps",
+    "solver_steps",
+]

@@ -3,122 +3,173 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from idviewer.core.arrays import Floats
-from idviewer.core.distances import Basis, Distance, QuadraticForm, check_dimension
-from idviewer.core.interior.equations import squares_of
+from idviewer.core.arrays import Floats, Ints
+from idviewer.core.distances import Distance, QuadraticForm, check_dimension
+from idviewer.core.interior.barycentroid import LAST_RADIUS
+from idviewer.core.interior.embedded_points import squares_of
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum, eigenpair_steps
 from idviewer.core.spectrum.laplacian import masses_of
 from idviewer.core.steps import finish
 
 
+@dataclass(frozen=True, eq=False)
+class PreparedBasis:
+    """The basis of an embedding, and what is known of it.
+
+    Attributes:
+        columns: (n, k), read-only.
+        mean: (k,) the area-weighted mean of the rows.
+        remark: on the embedding; empty where it is exact.
+    """
+
+    columns: Floats
+    mean: Floats
+    remark: str
+
+
 class EmbeddedBoundary:
-    """What an interior distance knows of the boundary: eigenpairs, basis and scale, each made when needed.
+    """A boundary's vertices embedded by a distance: eigenpairs, basis and scale, each made when needed.
 
     Args:
         shape: n vertices, in 2 or 3 dimensions.
         distance: the boundary distance.
         spectrum: eigenpairs computed before, to save computing them again.
+        prepared: the basis of a boundary that `shares_basis` with this one.
 
     Raises:
         ValueError: the distance does not work in the shape's dimension.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> square = Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])
+    >>> EmbeddedBoundary(square, Euclidean()).embedding.tolist()
+    [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]]
     """
 
-    def __init__(self, shape: Shape, distance: Distance, spectrum: Spectrum | None = None) -> None:
+    position_accuracy: float = LAST_RADIUS
+    """Share of the diagonal to which places inside are told."""
+
+    def __init__(
+        self,
+        shape: Shape,
+        distance: Distance,
+        spectrum: Spectrum | None = None,
+        prepared: PreparedBasis | None = None,
+    ) -> None:
         check_dimension(distance, shape)
-        self.shape, self.distance_kind = shape, distance
-        self._spectrum = spectrum
-        self._basis: Basis | None = None
-        self._mean = np.empty(0)
-
-    def prepare_steps(self) -> Generator[float | None, None, None]:
-        """Makes the basis where it is not there yet, as a generator.
-
-        Whatever needs the basis does so at its first use.
-        """
-        if self._basis is not None:
-            return
-        if self._spectrum is None and self.distance_kind.spectral:
-            self._spectrum = yield from eigenpair_steps(self.shape, self.distance_kind.cutoff)
-        basis = yield from self.distance_kind.basis_steps(self.shape, self._spectrum)
-        basis.columns.setflags(write=False)
-        self._mean = (self._masses @ basis.columns) / self._masses.sum()
-        self._basis = basis
-
-    @cached_property
-    def _masses(self) -> Floats:
-        return masses_of(self.shape) if self._spectrum is None else self._spectrum.masses
-
-    @cached_property
-    def _form(self) -> QuadraticForm | None:
-        return self.distance_kind.form(self.shape)
-
-    @property
-    def basis(self) -> Floats:
-        """(n, k) what is sampled inside; times `scale` it is the embedding. Read-only."""
-        finish(self.prepare_steps())
-        assert self._basis is not None
-        return self._basis.columns
+        self.shape, self.distance = shape, distance
+        self._spectrum, self._prepared = spectrum, prepared
 
     @property
     def full_shape(self) -> Shape:
         """The shape that is shown; a preview computes on a simpler one."""
         return self.shape
 
-    def rows_between(self, ends: NDArray[np.int64], shares: Floats) -> Floats:
+    def with_distance(self, distance: Distance) -> EmbeddedBoundary:
+        """The same boundary with another distance, with the same basis where both have it in common."""
+        return EmbeddedBoundary(self.shape, distance, self._spectrum, self._prepared_for(distance))
+
+    def shares_basis(self, distance: Distance) -> bool:
+        """Whether samples of the basis serve another distance too."""
+        if self._spectrum is None and distance.spectral:
+            return False
+        return distance.basis_key == self.distance.basis_key
+
+    def _prepared_for(self, distance: Distance) -> PreparedBasis | None:
+        return self._prepared if self.shares_basis(distance) else None
+
+    @property
+    def prepared(self) -> bool:
+        """Whether the basis is there."""
+        return self._prepared is not None
+
+    def prepare_steps(self) -> Generator[float | None, None, None]:
+        """Make the basis where it is not there yet, as a generator.
+
+        Whatever needs the basis does so at its first use.
+        """
+        if self._prepared is not None:
+            return
+        if self._spectrum is None and self.distance.spectral:
+            self._spectrum = yield from eigenpair_steps(self.shape, self.distance.cutoff)
+        basis = yield from self.distance.basis_steps(self.shape, self._spectrum)
+        basis.columns.setflags(write=False)
+        mean = (self.masses @ basis.columns) / self.masses.sum()
+        self._prepared = PreparedBasis(basis.columns, mean, basis.remark)
+
+    def _basis(self) -> PreparedBasis:
+        finish(self.prepare_steps())
+        assert self._prepared is not None
+        return self._prepared
+
+    @cached_property
+    def masses(self) -> Floats:
+        """(n,) each vertex's share of the boundary, in the shape's unit squared, or length in the plane."""
+        return masses_of(self.shape) if self._spectrum is None else self._spectrum.masses
+
+    @cached_property
+    def form(self) -> QuadraticForm | None:
+        """The way past an embedding, where the distance knows one."""
+        return self.distance.form(self.shape)
+
+    @property
+    def basis(self) -> Floats:
+        """(n, k) what is sampled inside; times `scale` it is the embedding. Read-only."""
+        return self._basis().columns
+
+    @cached_property
+    def scale(self) -> Floats:
+        """(k,) factor of each column of the basis, or (1,) for all of them."""
+        if self.distance.spectral:
+            finish(self.prepare_steps())
+        return self.distance.scale(self._spectrum)
+
+    @property
+    def embedding(self) -> Floats:
+        """(n, k) the embedded vertices v_i*."""
+        return self.basis * self.scale
+
+    @property
+    def centre(self) -> Floats:
+        """(k,) the area-weighted mean of the embedded vertices."""
+        return self._basis().mean * self.scale
+
+    def squares(self) -> Floats:
+        """D (n, n), squared distances between the vertices: given, or else of the embedding."""
+        given = self.distance.squares(self.shape)
+        return squares_of(self.embedding) if given is None else given
+
+    def rows_between(self, ends: Ints, shares: Floats) -> Floats:
         """The basis at points of the boundary's edges, (q, k).
 
         Args:
             ends: (q, 2) vertices of the full shape.
             shares: (q, 2) of each end.
         """
+        count = len(self.basis)
         starts = np.arange(0, ends.size + 1, ends.shape[1])
-        matrix = csr_array((shares.ravel(), ends.ravel(), starts), shape=(len(ends), len(self.basis)))
+        matrix = csr_array((shares.ravel(), ends.ravel(), starts), shape=(len(ends), count))
         return matrix @ self.basis
-
-    @cached_property
-    def scale(self) -> Floats:
-        """(k,) factor of each column of the basis, or (1,) for all of them."""
-        finish(self.prepare_steps())
-        return self.distance_kind.scale(self._spectrum)
-
-    @property
-    def centre(self) -> Floats:
-        """(k,) the area-weighted mean of the embedded vertices."""
-        scale = self.scale
-        return self._mean * scale
-
-    def shares_basis(self, distance: Distance) -> bool:
-        """Whether samples of the basis serve another distance too."""
-        if self._spectrum is None and distance.spectral:
-            return False
-        return distance.basis_key == self.distance_kind.basis_key
 
     @property
     def spectrum(self) -> Spectrum:
-        """The eigenpairs used: .values (k,), .vectors (n, k)."""
-        if self._spectrum is None or not self.distance_kind.spectral:
-            raise ValueError(f"the {self.distance_kind.title.lower()} uses no eigenpairs")
+        """The eigenpairs used: .values (k,), .vectors (n, k).
+
+        Raises:
+            ValueError: the distance uses none.
+        """
+        if self._spectrum is None or not self.distance.spectral:
+            raise ValueError(f"the {self.distance.title.lower()} uses no eigenpairs")
         return self._spectrum
 
     @property
     def description(self) -> str:
-        """The distance's name and parameters in words, and what there is to say about its embedding."""
-        words = self.distance_kind.describe(self._spectrum)
-        return f"{words}; {self._basis.remark}" if self._basis is not None and self._basis.remark else words
-
-    @property
-    def vertex_embedding(self) -> Floats:
-        """(n, k) the embedded vertices v_i*."""
-        return self.basis * self.scale
-
-    def boundary_squares(self) -> Floats:
-        """D (n, n), squared distances between the vertices: given, or else of the embedding."""
-        given = self.distance_kind.squares(self.shape)
-        return squares_of(self.vertex_embedding) if given is None else given
+        """The distance's name and parameters in words, and a remark on its embedding."""
+        words = self.distance.describe(self._spectrum)
+        return f"{words}; {self._prepared.remark}" if self._prepared and self._prepared.remark else words

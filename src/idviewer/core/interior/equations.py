@@ -1,23 +1,74 @@
-"""The paper's equations 1 to 5 for rows of weights: what does not depend on how distances embed.
+"""The paper's equations 2, 4 and 5: other routes to the interior distance than eq. 1, |p* - q*|.
 
-Rows that are NaN, of points outside, give NaN.
+Each is there for rows of weights, and for points inside the shape of an `InteriorDistance`. Rows that are
+NaN, of points outside, give NaN. Source: Rustamov, Lipman and Funkhouser 2009, section 4.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import ArrayLike
 
-from idviewer.core.arrays import Floats
-
-if TYPE_CHECKING:
-    from idviewer.core.distances import QuadraticForm
+from idviewer.core.arrays import Floats, as_pairs
+from idviewer.core.interior.solver import InteriorDistance
 
 
-ENOUGH = 5000
-"""So many of a shape's vertices tell how far the farthest two are apart; a little less is the safe side."""
+def gram_distance(solver: InteriorDistance, p: ArrayLike, q: ArrayLike) -> Floats:
+    """Interior distance by eq. 2, the quadratic form of w(p) - w(q) with the Gram matrix A = Y Y^T.
+
+    The same number as `InteriorDistance.distance` by another route. A is applied, never formed.
+
+    Args:
+        solver: of the interior distance.
+        p, q: (p, dimension) or (1, dimension).
+
+    Returns:
+        (p,), NaN where a point is outside the shape.
+
+    Raises:
+        ValueError: the points have another dimension, or there are not as many of both.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+    >>> gram_distance(solver, [[1, 1]], [[3, 1]]).round(12).tolist()
+    [2.0]
+    """
+    first, second = map(solver.coordinates.weights, as_pairs(p, q, solver.shape.dimension))
+    return by_gram(first - second, solver.boundary.embedding)
+
+
+def pairwise_distance(
+    solver: InteriorDistance,
+    p: ArrayLike,
+    q: ArrayLike,
+    squares: Floats | None = None,
+    expanded: bool = False,
+) -> Floats:
+    """Interior distance by eq. 4, or eq. 5, from the distances between the vertices and no embedding.
+
+    Args:
+        solver: of the interior distance.
+        p, q: (p, dimension) or (1, dimension).
+        squares: (n, n) squared distances between the vertices; those of the solver's boundary by default.
+        expanded: eq. 5, the sums written out, instead of eq. 4.
+
+    Returns:
+        (p,), NaN where a point is outside the shape, 0 where squares of what does not embed are negative.
+
+    Raises:
+        ValueError: the points have another dimension, or there are not as many of both.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+    >>> pairwise_distance(solver, [[1, 1]], [[3, 1]]).round(12).tolist()
+    [2.0]
+    """
+    squares = solver.boundary.squares() if squares is None else squares
+    first, second = map(solver.coordinates.weights, as_pairs(p, q, solver.shape.dimension))
+    if expanded:
+        first, second = np.broadcast_arrays(first, second)
+        return by_expansion(first, second, squares)
+    return by_squares(first - second, squares)
 
 
 def by_gram(differences: Floats, columns: Floats) -> Floats:
@@ -26,20 +77,12 @@ def by_gram(differences: Floats, columns: Floats) -> Floats:
     Args:
         differences: (p, n).
         columns: Y (n, k), the embedding.
+
+    >>> by_gram(np.array([[1.0, -1.0]]), np.array([[0.0], [2.0]])).tolist()
+    [2.0]
     """
     applied = (differences @ columns) @ columns.T
     return np.sqrt(np.maximum(np.einsum("pn,pn->p", differences, applied), 0.0))
-
-
-def by_form_steps(differences: Iterable[Floats], form: QuadraticForm) -> Generator[float, None, Floats]:
-    """Eq. 2 of portions of rows z (p, n), by a form that knows z^T A z; (all p,).
-
-    Yields the share done of each portion, every few milliseconds.
-    """
-    squares = [np.empty(0)]
-    for part in differences:
-        squares.append((yield from form.squares_steps(part)))
-    return _root(np.concatenate(squares))
 
 
 def by_squares(differences: Floats, squares: Floats) -> Floats:
@@ -75,43 +118,3 @@ def by_expansion(first: Floats, second: Floats, squares: Floats) -> Floats:
 def _root(squares: Floats) -> Floats:
     # Below 0 by rounding, or because the distances do not embed.
     return np.sqrt(np.maximum(squares, 0.0))
-
-
-def squares_of(embedding: Floats) -> Floats:
-    """D (n, n), the squared distances between the rows of an embedding (n, k).
-
-    >>> squares_of(np.array([[0.0], [3.0]])).tolist()
-    [[0.0, 9.0], [9.0, 0.0]]
-    """
-    centred = embedding - embedding.mean(axis=0)
-    norms = np.einsum("nk,nk->n", centred, centred)
-    result = np.maximum(norms[:, None] + norms - 2.0 * (centred @ centred.T), 0.0)
-    np.fill_diagonal(result, 0.0)
-    return result
-
-
-def extent(points: Floats) -> float:
-    """Nearly the largest distance between two of the points (p, k), never more.
-
-    >>> extent(np.array([[0.0], [1.0], [3.0]]))
-    3.0
-    """
-    farthest = points.mean(axis=0)
-    for _ in range(3):
-        distances = np.linalg.norm(points - farthest, axis=1)
-        farthest = points[np.argmax(distances)]
-    return float(distances.max())
-
-
-def column_weights(basis: Floats, scales: Iterable[Floats]) -> Floats:
-    """What an error of each column of a basis (n, k) counts, (k,), in largest distances between its points.
-
-    Args:
-        basis: before it is scaled.
-        scales: (k,) for each of the distances; the one counts with which an error is largest.
-
-    >>> column_weights(np.array([[0.0, 0.0], [4.0, 1.0]]), [np.array([1.0, 0.0])]).tolist()
-    [0.25, 0.0]
-    """
-    some = basis[:: max(1, len(basis) // ENOUGH)]
-    return np.max([np.abs(scale) / extent(some * scale) for scale in scales], axis=0)

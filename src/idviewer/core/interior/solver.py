@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable
-from copy import copy
-from functools import cached_property
+from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from idviewer.core.arrays import Floats, as_pairs, as_points
-from idviewer.core.coordinates import coordinates_of
+from idviewer.core.arrays import Floats
+from idviewer.core.coordinates import Coordinates, coordinates_of
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates
-from idviewer.core.coordinates.tolerance import Approximation
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.interior.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.interior.embedding import EmbeddedBoundary
-from idviewer.core.interior.equations import by_expansion, by_form_steps, by_gram, by_squares, column_weights
+from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 from idviewer.core.steps import finish
 
-OF_A_POINT = 0.5
-"""Part of a distance's error that each of its ends may cause."""
 
-NUMBERS_AT_A_TIME = 2**21
-"""Weights between two checkpoints."""
-
-
-class InteriorDistance(EmbeddedBoundary):
+class InteriorDistance:
     """Distances between points inside a shape.
 
     The vertices are embedded so that their distances become Euclidean, v_i -> v_i*; an inner point goes
     to p* = sum_i w_i(p) v_i* with barycentric coordinates w; and d(p, q) = |p* - q*|. Source: Rustamov,
-    Lipman and Funkhouser 2009, eq. 1.
+    Lipman and Funkhouser 2009, eq. 1; for eq. 2, 4 and 5 see `idviewer.core.interior.equations`.
 
     Args:
         shape: n vertices, in 2 or 3 dimensions.
@@ -42,6 +33,10 @@ class InteriorDistance(EmbeddedBoundary):
         rtol: largest error of distances between embedded points, as a share of the largest boundary
             distance; 0 is exact, and so are coordinates without an approximation. See docs/treecode.md.
         spectrum: eigenpairs computed before, to save computing them again.
+
+    Attributes:
+        boundary: the embedded vertices, with .distance, .basis (n, k), .scale (k,), .embedding (n, k).
+        interpolation: what carries the basis inside, with steps for work that is to be interrupted.
 
     Raises:
         ValueError: unknown coordinates, a negative rtol, or what does not fit the shape.
@@ -53,6 +48,8 @@ class InteriorDistance(EmbeddedBoundary):
     >>> solver = InteriorDistance(tetrahedron, distance=Euclidean())
     >>> solver.distance([[0.1, 0.1, 0.1]], [[0.4, 0.5, 0.1]]).round(12).tolist()
     [0.5]
+    >>> solver.boundary.basis.shape, solver.interpolation.rtol
+    ((4, 3), 0.0)
     """
 
     def __init__(
@@ -63,33 +60,55 @@ class InteriorDistance(EmbeddedBoundary):
         rtol: float = 0.0,
         spectrum: Spectrum | None = None,
     ) -> None:
-        self._assign(shape, distance, coordinates, rtol, spectrum)
-        if self._form is None:
-            finish(self.prepare_steps())
+        boundary = EmbeddedBoundary(shape, Diffusion() if distance is None else distance, spectrum)
+        self.boundary: EmbeddedBoundary = boundary
+        self.interpolation = BasisInterpolation(boundary, coordinates_of(shape, coordinates), rtol)
+        if boundary.form is None:
+            finish(boundary.prepare_steps())
 
-    def _assign(
-        self, shape: Shape, kind: Distance | None, coordinates: str, rtol: float, spectrum: Spectrum | None
-    ) -> None:
-        if not 0.0 <= rtol < 1.0:
-            raise ValueError(f"rtol must lie in [0, 1), not {rtol}")
-        EmbeddedBoundary.__init__(self, shape, Diffusion() if kind is None else kind, spectrum)
-        self.rtol = rtol
-        self.coordinates = coordinates_of(shape, coordinates)
-        self._approximations: dict[bytes, Approximation | None] = {}
+    @property
+    def shape(self) -> Shape:
+        """The shape whose interior it is; a preview's is simplified.
 
-    @classmethod
-    def steps(
-        cls,
-        shape: Shape,
-        distance: Distance,
-        coordinates: str = "mean_value",
-        spectrum: Spectrum | None = None,
-    ) -> Generator[float | None, None, InteriorDistance]:
-        """The constructor as a generator that yields the share done, or None, every few milliseconds."""
-        made = cls.__new__(cls)
-        made._assign(shape, distance, coordinates, 0.0, spectrum)
-        yield from made.prepare_steps()
-        return made
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean()).shape.dimension
+        2
+        """
+        return self.boundary.shape
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """The barycentric coordinates, which have weights, and how negative they are.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.coordinates.weights([[2.0, 2.0]]).round(12).tolist()
+        [[0.25, 0.25, 0.25, 0.25]]
+        """
+        return self.interpolation.coordinates
+
+    @property
+    def spectrum(self) -> Spectrum:
+        """The eigenpairs used: .values (k,), .vectors (n, k).
+
+        Raises:
+            ValueError: the distance uses none.
+
+        >>> from idviewer.core import read_mesh, sample_path
+        >>> InteriorDistance(read_mesh(sample_path("hand_2k"))).spectrum.vectors.shape
+        (2500, 77)
+        """
+        return self.boundary.spectrum
+
+    @property
+    def description(self) -> str:
+        """The distance's name and parameters in words, and a remark on its embedding.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean()).description
+        'Euclidean distance'
+        """
+        return self.boundary.description
 
     def with_distance(self, distance: Distance) -> InteriorDistance:
         """The same interior with another distance, which shares whatever it can.
@@ -98,30 +117,33 @@ class InteriorDistance(EmbeddedBoundary):
         one serve the others. Eigenpairs that are there are used again, also where a shorter diffusion time
         asks for more of them: the description then says what is missing.
 
+        Raises:
+            ValueError: the distance does not fit the shape.
+
         >>> from idviewer.core import Biharmonic, read_mesh, sample_path
         >>> solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
-        >>> solver.with_distance(Biharmonic()).basis is solver.basis
+        >>> solver.with_distance(Biharmonic()).boundary.basis is solver.boundary.basis
         True
         """
-        if not self.shares_basis(distance):
-            return InteriorDistance(self.shape, distance, self.coordinates.name, self.rtol, self._spectrum)
-        other = copy(self)
-        other.distance_kind = distance
-        for name in ("_form", "_own_weights"):
-            other.__dict__.pop(name, None)
-        other.scale = distance.scale(self._spectrum)
-        return other
+        boundary = self.boundary.with_distance(distance)
+        if boundary.form is None:
+            finish(boundary.prepare_steps())
+        _ = boundary.scale  # refuses parameters that do not fit the eigenpairs
+        return solver_of_parts(boundary, self.interpolation.with_boundary(boundary))
 
     def with_coordinates(self, name: str) -> InteriorDistance:
         """The same embedded boundary with the coordinates of that name.
 
         Raises:
             ValueError: there are none of that name, or they do not work in the shape's dimension.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.with_coordinates("shepard").coordinates.name
+        'shepard'
         """
-        other = copy(self)
-        other.coordinates = coordinates_of(self.shape, name)
-        other._approximations = {}
-        return other
+        coordinates = coordinates_of(self.shape, name)
+        return solver_of_parts(self.boundary, self.interpolation.with_coordinates(coordinates))
 
     def embed(self, points: ArrayLike) -> Floats:
         """Points carried into the embedding, p* = sum_i w_i(p) v_i*.
@@ -131,51 +153,16 @@ class InteriorDistance(EmbeddedBoundary):
 
         Returns:
             (p, k), NaN for points outside the shape.
+
+        Raises:
+            ValueError: the points have another dimension.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.embed([[1, 2], [5, 5]]).round(12).tolist()
+        [[-1.0, 0.0], [nan, nan]]
         """
-        return finish(self.sample_steps(points)) * self.scale
-
-    def sample_steps(
-        self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
-    ) -> Generator[float, None, Floats]:
-        """The basis at points before it is scaled; yields the share done every few milliseconds.
-
-        Args:
-            points: (p, dimension).
-            rtol: as for the class; the solver's own by default.
-            weights: from `error_weights`; the solver's own distance by default.
-
-        Returns:
-            (p, k), NaN for points outside the shape.
-        """
-        points, rtol = as_points(points, self.shape.dimension), self.rtol if rtol is None else rtol
-        approximation = None if rtol == 0.0 else self._approximation(weights)
-        if approximation is None:
-            return (yield from self.coordinates.interpolate_steps(points, self.basis))
-        return (yield from approximation.interpolate_steps(points, OF_A_POINT * rtol))
-
-    def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:
-        """What an error of each column of the basis counts, (k,), in largest boundary distances.
-
-        Args:
-            distances: others with the same basis that samples are to serve as well.
-        """
-        scales = (self.scale, *(distance.scale(self._spectrum) for distance in distances))
-        return column_weights(self.basis, scales)
-
-    @property
-    def approximates(self) -> bool:
-        """Whether the coordinates can be evaluated within a tolerance."""
-        return self.coordinates.approximation(self.basis, np.ones(self.basis.shape[1])) is not None
-
-    def _approximation(self, weights: Floats | None) -> Approximation | None:
-        weights = self._own_weights if weights is None else weights
-        key = weights.tobytes()
-        if key not in self._approximations:
-            full = np.broadcast_to(weights, self.basis.shape[1:])
-            self._approximations[key] = self.coordinates.approximation(self.basis, full)
-        return self._approximations[key]
-
-    _own_weights = cached_property(error_weights)
+        return finish(self.interpolation.sample_steps(points)) * self.boundary.scale
 
     def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
         """Interior distance by eq. 1, |p* - q*|; where the distance knows a way past p*, by that.
@@ -185,54 +172,16 @@ class InteriorDistance(EmbeddedBoundary):
 
         Returns:
             (p,), NaN where a point is outside the shape.
+
+        Raises:
+            ValueError: the points have another dimension, or there are not as many of both.
+
+        >>> from idviewer.core import CommuteTime, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), CommuteTime())
+        >>> solver.distance([[2, 2]], [[2, 2], [5, 5]]).tolist()
+        [0.0, nan]
         """
-        first, second = as_pairs(p, q, self.shape.dimension)
-        if self._form is not None:
-            few, many = sorted((first, second), key=len)  # symmetric, so the longer list goes in portions
-            ends = (lambda part: few) if len(few) == 1 else (lambda part: few[part])
-            return finish(self._form_steps(many, lambda part: self.coordinates.weights(ends(part))))
-        return np.linalg.norm(self.embed(first) - self.embed(second), axis=1)
-
-    def gram_distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
-        """Interior distance by eq. 2, the quadratic form of w(p) - w(q) with the Gram matrix A = Y^T Y.
-
-        The same number as `distance` by another route. A is applied, never formed.
-
-        Args:
-            p, q: (p, dimension) or (1, dimension).
-
-        Returns:
-            (p,), NaN where a point is outside the shape.
-        """
-        first, second = map(self.coordinates.weights, as_pairs(p, q, self.shape.dimension))
-        return by_gram(first - second, self.vertex_embedding)
-
-    def pairwise_distance(
-        self, p: ArrayLike, q: ArrayLike, squares: Floats | None = None, expanded: bool = False
-    ) -> Floats:
-        """Interior distance by eq. 4, or eq. 5, from the distances between the vertices and no embedding.
-
-        Args:
-            p, q: (p, dimension) or (1, dimension).
-            squares: (n, n) squared distances between the vertices; `boundary_squares` by default.
-            expanded: eq. 5, the sums written out, instead of eq. 4.
-
-        Returns:
-            (p,), NaN where a point is outside the shape, 0 where squares of what does not embed are negative.
-        """
-        squares = self.boundary_squares() if squares is None else squares
-        first, second = map(self.coordinates.weights, as_pairs(p, q, self.shape.dimension))
-        if expanded:
-            first, second = np.broadcast_arrays(first, second)
-            return by_expansion(first, second, squares)
-        return by_squares(first - second, squares)
-
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Which of the points (p, dimension) lie inside the shape or on its boundary."""
-        ones, own = np.ones((len(self.shape.vertices), 1)), self.coordinates
-        # Others may find no weights at a point inside.
-        mean_value = own if isinstance(own, MeanValueCoordinates) else MeanValueCoordinates(self.shape)
-        return np.isfinite(finish(mean_value.interpolate_steps(points, ones))[:, 0])
+        return finish(self.interpolation.distance_steps(p, q))
 
     def field(self, source: ArrayLike, points: ArrayLike) -> Floats:
         """Distances from one source to many points.
@@ -243,70 +192,106 @@ class InteriorDistance(EmbeddedBoundary):
 
         Returns:
             (p,), NaN for points outside the shape.
+
+        Raises:
+            ValueError: the points have another dimension.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.field([1, 1], [[3, 1], [1, 2]]).round(12).tolist()
+        [2.0, 1.0]
         """
         return self.distance(points, np.atleast_2d(source))
 
     def potential(self, points: ArrayLike) -> Floats:
-        """U(p), whose smallest value marks the barycentroid; section 7 of the paper.
+        """U(p), whose smallest value marks the barycentroid.
 
         The area-weighted mean of d^2(p, v_i) is U^2(p) plus a constant. U^2 = |p* - c|^2, c the
-        area-weighted mean of the v_i*; for spectral distances c = 0 and U^2 = w^T A w.
+        area-weighted mean of the v_i*; for spectral distances c = 0 and U^2 = w^T A w. Source: section 7.
 
         Args:
             points: (p, dimension).
 
         Returns:
             (p,), NaN for points outside the shape.
+
+        Raises:
+            ValueError: the points have another dimension.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.potential([[2, 2], [2, 3]]).round(12).tolist()
+        [0.0, 1.0]
         """
-        return finish(self.potential_steps(points))
-
-    def potential_steps(
-        self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
-    ) -> Generator[float, None, Floats]:
-        """`potential` as a generator that yields the share done every few milliseconds.
-
-        Args:
-            points: (p, dimension).
-            rtol, weights: as for `sample_steps`.
-        """
-        if self._form is not None and self._basis is None:
-            mean = self._masses / self._masses.sum()
-            return (yield from self._form_steps(points, lambda part: mean))
-        rows = yield from self.sample_steps(points, rtol=rtol, weights=weights)
-        return np.linalg.norm(rows * self.scale - self.centre, axis=1)
-
-    def negativity(self, points: ArrayLike) -> Floats:
-        """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
-
-        Args:
-            points: (p, dimension).
-
-        Returns:
-            (p,), NaN for points outside the shape.
-        """
-        return finish(self.coordinates.negativity_steps(points))
-
-    def _form_steps(
-        self, points: ArrayLike, others: Callable[[slice], Floats]
-    ) -> Generator[float, None, Floats]:
-        """sqrt(z^T A z) where z is the weights of points (p, dimension), less those of others."""
-        points, form = as_points(points, self.shape.dimension), self._form
-        assert form is not None
-        size = max(1, NUMBERS_AT_A_TIME // len(self.shape.vertices))
-        parts = [slice(start, start + size) for start in range(0, len(points), size)]
-        differences = (self.coordinates.weights(points[part]) - others(part) for part in parts)
-        return (yield from by_form_steps(differences, form))
+        return finish(self.interpolation.potential_steps(points))
 
     def barycentroid(self) -> Barycentroid:
-        """The point inside where the potential is smallest; see `idviewer.core.interior.barycentroid`."""
+        """The point inside where the potential is smallest; see `idviewer.core.interior.barycentroid`.
+
+        Raises:
+            ShapeError: no point inside could be found.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.barycentroid().point.round(5).tolist()
+        [2.0, 2.0]
+        """
         return finish(self.barycentroid_steps())
 
     def barycentroid_steps(
         self, surrogate: Evaluate | None = None
     ) -> Generator[float | None, None, Barycentroid]:
-        """`barycentroid` as a generator that yields every few milliseconds.
+        """`barycentroid` as a generator that yields the share done, or None; for `surrogate` see there.
 
-        Args:
-            scout: see `idviewer.core.interior.barycentroid`.
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> finish(solver.barycentroid_steps()).point.round(5).tolist()
+        [2.0, 2.0]
         """
-        return barycentroid_steps(self.shape, self.potential_steps, surrogate=surrogate)
+        potential, radius = self.interpolation.potential_steps, self.boundary.position_accuracy
+        return barycentroid_steps(self.shape, potential, radius, surrogate)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Which of the points (p, dimension) lie inside the shape or on its boundary, (p,).
+
+        Raises:
+            ValueError: the points have another dimension.
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+        >>> solver.contains([[1, 1], [4, 1], [5, 1]]).tolist()
+        [True, True, False]
+        """
+        ones, own = np.ones((len(self.shape.vertices), 1)), self.coordinates
+        # Others may find no weights at a point inside.
+        mean_value = own if isinstance(own, MeanValueCoordinates) else MeanValueCoordinates(self.shape)
+        return np.isfinite(finish(mean_value.interpolate_steps(points, ones))[:, 0])
+
+
+def solver_steps(
+    shape: Shape, distance: Distance, coordinates: str = "mean_value", spectrum: Spectrum | None = None
+) -> Generator[float | None, None, InteriorDistance]:
+    """Make an exact `InteriorDistance`; yields the share done, or None, every few milliseconds.
+
+    Args:
+        shape, distance, coordinates, spectrum: as there.
+
+    Raises:
+        ValueError, ShapeError: as there.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> square = Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])
+    >>> finish(solver_steps(square, Euclidean())).distance([[1, 1]], [[3, 1]]).round(12).tolist()
+    [2.0]
+    """
+    boundary = EmbeddedBoundary(shape, distance, spectrum)
+    interpolation = BasisInterpolation(boundary, coordinates_of(shape, coordinates))
+    yield from boundary.prepare_steps()
+    return solver_of_parts(boundary, interpolation)
+
+
+def solver_of_parts(boundary: EmbeddedBoundary, interpolation: BasisInterpolation) -> InteriorDistance:
+    """A solver of parts that are there already; prepares nothing."""
+    solver = InteriorDistance.__new__(InteriorDistance)
+    solver.boundary, solver.interpolation = boundary, interpolation
+    return solver

@@ -88,9 +88,9 @@ class PlaneSamples:
 
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
-        self.section, self._spacing = _section(sampler.solver.full_shape, plane)
+        self.section, self._spacing = _section(sampler.solver.boundary.full_shape, plane)
         shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
-        self._outline_rows = sampler.solver.rows_between(self.section.edges, shares)
+        self._outline_rows = sampler.solver.boundary.rows_between(self.section.edges, shares)
         self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
         self.levels = self._lattices if sampler.exact_always else self._lattices + 1
         self._linear = sampler.solver.coordinates.linear_on_boundary

@@ -51,22 +51,24 @@ class Sampler:
 
     def __init__(self, solver: InteriorDistance) -> None:
         self.solver = solver
-        wide, small = solver.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
-        self.exact_always = wide or small or not solver.approximates
+        wide, small = solver.boundary.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
+        self.exact_always = wide or small or not solver.interpolation.approximates
         self.ready = self.complete = self.exact_always
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
-        self._scales = np.stack([one.scale * np.ones(solver.basis.shape[1]) for one in common], axis=1)
-        self._radii = self._radii_of(solver.basis[:: -(-len(solver.basis) // OF_THE_BODY)])
+        self._scales = np.stack(
+            [one.boundary.scale * np.ones(solver.boundary.basis.shape[1]) for one in common], axis=1
+        )
+        self._radii = self._radii_of(solver.boundary.basis[:: -(-len(solver.boundary.basis) // OF_THE_BODY)])
         self._preparation = self._prepare()
         sizes = np.abs(self._scales[:, 0]) * np.linalg.norm(
-            solver.basis[:: max(1, len(solver.basis) // 500)], axis=0
+            solver.boundary.basis[:: max(1, len(solver.boundary.basis) // 500)], axis=0
         )
         self._columns = np.flatnonzero(sizes >= TELLING * sizes.max())
 
     @cached_property
     def _weights(self) -> Floats:
         # Not needed where all that is shown was sampled before.
-        return self.solver.error_weights(extremes(self.solver))
+        return self.solver.interpolation.error_weights(extremes(self.solver))
 
     def significant_columns(self, rows: Floats) -> Floats:
         """Of rows (p, k), scaled, the columns that make up most of the solver's own distance."""
@@ -79,14 +81,14 @@ class Sampler:
         """
         points = np.asarray(points)[:, : self.solver.shape.dimension]
         if self.exact_always or rtol == 0.0:
-            return (yield from self.solver.sample_steps(points, rtol=0.0))
-        return (yield from self.solver.sample_steps(points, rtol=rtol, weights=self._weights))
+            return (yield from self.solver.interpolation.sample_steps(points, rtol=0.0))
+        return (yield from self.solver.interpolation.sample_steps(points, rtol=rtol, weights=self._weights))
 
     def surrogate(self, solver: InteriorDistance) -> Evaluate | None:
         """The potential of a solver with this basis, within a tolerance; None where that saves no time."""
         if self.exact_always or not self.ready:
             return None
-        return partial(solver.potential_steps, rtol=FINE, weights=self._weights)
+        return partial(solver.interpolation.potential_steps, rtol=FINE, weights=self._weights)
 
     def tolerance(self, share: float, outline: Floats) -> float:
         """The rtol that is such a share of the distances on a slice with these rows on its outline."""
@@ -121,7 +123,7 @@ class Sampler:
         yield from self._prepare_for(LOOSEST, FINE)
         self.ready = True
         yield 1.0
-        if self.solver.basis.shape[1] * len(self.solver.shape.facets) <= AFFORDABLE:
+        if self.solver.boundary.basis.shape[1] * len(self.solver.shape.facets) <= AFFORDABLE:
             yield from self._prepare_for(FINEST)
             self.complete = True
 
@@ -140,7 +142,7 @@ class Sampler:
 
 def _common(solver: InteriorDistance) -> list[Distance]:
     """The distances of the solver's basis, parameters left to their defaults."""
-    return [kind() for kind in DISTANCES.values() if solver.shares_basis(kind())]
+    return [kind() for kind in DISTANCES.values() if solver.boundary.shares_basis(kind())]
 
 
 def extremes(solver: InteriorDistance) -> list[Distance]:
