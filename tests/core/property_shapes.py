@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from copy import copy
 from functools import cache
 
 import numpy as np
@@ -30,7 +29,6 @@ from idviewer.core import (
     read_shape,
     sample_path,
 )
-from idviewer.core.coordinates import coordinates_of
 
 Body = Mesh | Polygon
 
@@ -121,11 +119,7 @@ def boundary(name: str, body: Body) -> InteriorDistance:
 def solver_of(name: str, body: Body, coordinates: str) -> InteriorDistance:
     """With the embedding that was made before."""
     made = boundary(name, body)
-    if coordinates == made.coordinates.name:
-        return made
-    other = copy(made)
-    other.coordinates = coordinates_of(body, coordinates)
-    return other
+    return made if coordinates == made.coordinates.name else made.with_coordinates(coordinates)
 
 
 def apart(rows: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from idviewer.core._kernels.mean_value.maximum_entropy import maximum_entropy
 from idviewer.core.arrays import Floats, Ints, as_points, in_space
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import ShapeLike
 
 RESIDUAL = 1e-11
 """Largest |sum w_i v_i - p|, in diagonals of the bounding box, of weights that are given out."""
@@ -53,8 +53,9 @@ class MaximumEntropyCoordinates(Coordinates):
     properties = frozenset(Property)
     pairs_in_a_step: ClassVar[float] = 1e5
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: ShapeLike) -> None:
         super().__init__(shape)
+        shape = self.shape
         self.unconverged = 0
         self._boundary = mean_value_on(shape)
         positions = self._boundary.normalise(shape.vertices)

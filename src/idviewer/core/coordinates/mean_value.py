@@ -13,7 +13,7 @@ from idviewer.core.coordinates.mean_value_polygon import PolygonMeanValue
 from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
 from idviewer.core.coordinates.tolerance import Approximation
 from idviewer.core.shapes.mesh import Mesh
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import Shape, ShapeLike
 
 
 def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:
@@ -45,9 +45,9 @@ class MeanValueCoordinates(Coordinates):
     menu_order = 10
     properties = frozenset(Property) - {Property.NON_NEGATIVITY}
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: ShapeLike) -> None:
         super().__init__(shape)
-        self._on = mean_value_on(shape)
+        self._on = mean_value_on(self.shape)
 
     def weights(self, points: ArrayLike) -> Floats:
         """Coordinates of points with respect to every vertex.
@@ -71,7 +71,7 @@ class MeanValueCoordinates(Coordinates):
         return self._on.approximation(values, weights) if isinstance(self._on, MeshMeanValue) else None
 
 
-def mean_value_weights(shape: Shape, points: ArrayLike) -> Floats:
+def mean_value_weights(shape: ShapeLike, points: ArrayLike) -> Floats:
     """Mean value coordinates of points; for many calls on one shape keep a `MeanValueCoordinates`.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from idviewer.core.arrays import Floats, as_points
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import ShapeLike, as_shape
 from idviewer.core.steps import finish
 
 WIDE, FEWEST, PRODUCTS = 256, 16, 2**26
@@ -35,7 +35,7 @@ class Coordinates:
     """Base of all kinds of coordinates: a kind says what it is and defines `weights`.
 
     Args:
-        shape: n vertices, in 2 or 3 dimensions.
+        shape: n vertices, in 2 or 3 dimensions, or its arrays (see `idviewer.core.shapes.shape`).
 
     Attributes:
         name: as `InteriorDistance` and the command line take it.
@@ -63,7 +63,8 @@ class Coordinates:
     unconverged = 0
     warns = True
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: ShapeLike) -> None:
+        shape = as_shape(shape)
         if shape.dimension not in self.dimensions:
             able = " and ".join(f"{dimension}D" for dimension in self.dimensions)
             raise ValueError(
@@ -165,7 +166,7 @@ def register_coordinates(kind: Kind) -> Kind:
     return kind
 
 
-def coordinates_of(shape: Shape, name: str) -> Coordinates:
+def coordinates_of(shape: ShapeLike, name: str) -> Coordinates:
     """The kind of coordinates of that name, for a shape.
 
     Raises:

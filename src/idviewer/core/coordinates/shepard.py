@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.arrays import Floats, as_points
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import ShapeLike
 
 AT_ONCE = 1 << 18
 """Points times vertices that are worked on at once: 2 MB an array."""
@@ -49,8 +49,9 @@ class ShepardCoordinates(Coordinates):
     linear_on_boundary: ClassVar[bool] = False
     pairs_in_a_step: ClassVar[float] = 3e5
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: ShapeLike) -> None:
         super().__init__(shape)
+        shape = self.shape
         self._boundary = mean_value_on(shape)
         self._vertices = self._boundary.normalise(shape.vertices)
         self._parts = boundary_parts(self._vertices, self._boundary.elements)

@@ -7,14 +7,16 @@ from numpy.typing import ArrayLike
 from idviewer.core.arrays import Floats
 from idviewer.core.distances import Distance
 from idviewer.core.interior.solver import InteriorDistance
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import ShapeLike
 
 
-def interior_distance(shape: Shape, p: ArrayLike, q: ArrayLike, distance: Distance | None = None) -> Floats:
+def interior_distance(
+    shape: ShapeLike, p: ArrayLike, q: ArrayLike, distance: Distance | None = None
+) -> Floats:
     """Interior distances of point pairs; for many calls on one shape keep an `InteriorDistance`.
 
     Args:
-        shape: n vertices, in 2 or 3 dimensions.
+        shape: n vertices, in 2 or 3 dimensions, or its arrays (see `idviewer.core.shapes.shape`).
         p, q: (p, dimension) or (1, dimension).
         distance: the boundary distance, the diffusion distance by default.
 

@@ -14,7 +14,7 @@ from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.interior.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.interior.embedding import EmbeddedBoundary
 from idviewer.core.interior.interpolation import BasisInterpolation
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import Shape, ShapeLike, as_shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 from idviewer.core.steps import finish
 
@@ -27,7 +27,7 @@ class InteriorDistance:
     Lipman and Funkhouser 2009, eq. 1; for eq. 2, 4 and 5 see `idviewer.core.interior.equations`.
 
     Args:
-        shape: n vertices, in 2 or 3 dimensions.
+        shape: n vertices, in 2 or 3 dimensions, or its arrays (see `idviewer.core.shapes.shape`).
         distance: the boundary distance, the diffusion distance by default.
         coordinates: the name of the barycentric coordinates.
         rtol: largest error of distances between embedded points, as a share of the largest boundary
@@ -54,12 +54,13 @@ class InteriorDistance:
 
     def __init__(
         self,
-        shape: Shape,
+        shape: ShapeLike,
         distance: Distance | None = None,
         coordinates: str = "mean_value",
         rtol: float = 0.0,
         spectrum: Spectrum | None = None,
     ) -> None:
+        shape = as_shape(shape)
         boundary = EmbeddedBoundary(shape, Diffusion() if distance is None else distance, spectrum)
         self.boundary: EmbeddedBoundary = boundary
         self.interpolation = BasisInterpolation(boundary, coordinates_of(shape, coordinates), rtol)
@@ -269,7 +270,7 @@ class InteriorDistance:
 
 
 def solver_steps(
-    shape: Shape, distance: Distance, coordinates: str = "mean_value", spectrum: Spectrum | None = None
+    shape: ShapeLike, distance: Distance, coordinates: str = "mean_value", spectrum: Spectrum | None = None
 ) -> Generator[float | None, None, InteriorDistance]:
     """Make an exact `InteriorDistance`; yields the share done, or None, every few milliseconds.
 
@@ -284,6 +285,7 @@ def solver_steps(
     >>> finish(solver_steps(square, Euclidean())).distance([[1, 1]], [[3, 1]]).round(12).tolist()
     [2.0]
     """
+    shape = as_shape(shape)
     boundary = EmbeddedBoundary(shape, distance, spectrum)
     interpolation = BasisInterpolation(boundary, coordinates_of(shape, coordinates))
     yield from boundary.prepare_steps()

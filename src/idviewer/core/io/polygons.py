@@ -16,6 +16,7 @@ from idviewer.core.io.outlines import read_csv, read_json
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon, PolygonError
+from idviewer.core.shapes.shape import PolygonLike, as_polygon
 
 POLYGON_SUFFIXES = (".csv", ".svg", ".json", ".geojson")
 """Suffixes of the polygon files that can be read, in lower case and with their dot."""
@@ -83,7 +84,7 @@ def read_shape(
     return read_mesh(path, component)
 
 
-def write_polygon(polygon: Polygon, path: str | os.PathLike[str]) -> None:
+def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
     """Write a polygon as CSV or JSON, told by the suffix, with every digit.
 
     It is written beside the file and then renamed, so that the file is there as a whole or not at all.
@@ -92,7 +93,7 @@ def write_polygon(polygon: Polygon, path: str | os.PathLike[str]) -> None:
         PolygonError: another suffix.
         OSError: the file cannot be written.
     """
-    path = Path(path)
+    polygon, path = as_polygon(polygon), Path(path)
     if path.suffix.lower() not in (".csv", ".json"):
         raise PolygonError(f"{told(path)}: polygons are written as .csv or .json; choose one of these")
     loops = [polygon.vertices[loop].tolist() for loop in polygon.loops]

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.shape import MeshLike
 from idviewer.core.validation.findings import Finding, Point
 from idviewer.core.validation.mesh_checks import ValidationReport, validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
@@ -72,12 +73,12 @@ class Diagnosis:
 
 
 def diagnose(
-    vertices: ArrayLike | Mesh, faces: ArrayLike | Sequence[Sequence[int]] | None = None
+    vertices: ArrayLike | MeshLike, faces: ArrayLike | Sequence[Sequence[int]] | None = None
 ) -> Diagnosis:
     """Everything that is wrong with a mesh, and its sizes.
 
     Args:
-        vertices: (n, 3) points, or a Mesh.
+        vertices: (n, 3) points, or a Mesh, or (vertices, faces) in one tuple.
         faces: (m, 3) vertex indices, counter-clockwise seen from outside; also polygons, as (m, k) indices or
             as a sequence of index sequences of any lengths. Left out for a Mesh.
 
@@ -92,7 +93,9 @@ def diagnose(
     """
     if isinstance(vertices, Mesh):
         return diagnose(vertices.vertices, vertices.faces)
-    return diagnosis_of(validate(PolygonSoup.of(vertices, () if faces is None else faces)))
+    if faces is None and isinstance(vertices, tuple) and len(vertices) == 2 and np.ndim(vertices[0]) == 2:
+        return diagnose(*vertices)
+    return diagnosis_of(validate(PolygonSoup.of(cast(ArrayLike, vertices), () if faces is None else faces)))
 
 
 def diagnosis_of(walk: ValidationReport) -> Diagnosis:

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.face_boxes import heights
-from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.plane import Plane
+from idviewer.core.shapes.shape import MeshLike, as_mesh
 
 FOLLOWING = np.array([1, 2, 0])
 """The corner that follows each corner of a face."""
@@ -66,13 +66,13 @@ class Section:
         return (1.0 - share) * values[self.edges[:, 0]] + share * values[self.edges[:, 1]]
 
 
-def section(mesh: Mesh, plane: Plane) -> Section:
+def section(mesh: MeshLike, plane: Plane) -> Section:
     """The section of a closed mesh by a plane.
 
     A vertex exactly on the plane counts as lying below it, so the outline always closes.
 
     Args:
-        mesh: n vertices.
+        mesh: n vertices, or its `(vertices, faces)`.
         plane: where to cut.
 
     Returns:
@@ -84,6 +84,7 @@ def section(mesh: Mesh, plane: Plane) -> Section:
     >>> round(section(tetrahedron, Plane((0, 0, 0.5), (0, 0, 1))).area, 12)
     0.125
     """
+    mesh = as_mesh(mesh)
     faces, above = mesh.patches.crossed(plane)
     tops, bottoms = _passage(above)
     rising_tails, rising_heads = _passage(~above)

@@ -8,12 +8,13 @@ import numpy as np
 
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.polygon import Polygon
+from idviewer.core.shapes.shape import PolygonLike, as_polygon
 from idviewer.core.slices.mesh_sections import Section
 
 UPWARD = (0.0, 0.0, 1.0)
 
 
-def polygon_section(polygon: Polygon, longest: float = math.inf) -> Section:
+def polygon_section(polygon: PolygonLike, longest: float = math.inf) -> Section:
     """The polygon in the plane z = 0, as if that were the section of a body.
 
     Its outline points lie on the polygon's edges, edge by edge: first the vertex that it starts from (with
@@ -31,6 +32,7 @@ def polygon_section(polygon: Polygon, longest: float = math.inf) -> Section:
     >>> square.area, len(square.flat), square.fractions[:3].tolist()
     (1.0, 8, [0.0, 0.5, 0.0])
     """
+    polygon = as_polygon(polygon)
     if not longest > 0.0:
         raise ValueError(f"edges can be no longer than a positive length, and not than {longest}")
     plane = Plane((*_origin(polygon), 0.0), UPWARD)

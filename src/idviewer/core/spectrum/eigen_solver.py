@@ -13,7 +13,7 @@ from scipy import sparse
 from idviewer.core.arrays import Floats
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon, PolygonError
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import Shape, ShapeLike, as_shape
 from idviewer.core.shapes.simplification import simplification_steps
 from idviewer.core.spectrum.krylov_eigenpairs import krylov_steps
 from idviewer.core.spectrum.laplacian import laplacian_of, masses_of
@@ -77,7 +77,7 @@ def paper_cutoff(lambda_2: float) -> float:
     return -math.log(SMALLEST_KEPT) / paper_time(lambda_2)
 
 
-def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) -> Spectrum:
+def eigenpairs(shape: ShapeLike, cutoff: Callable[[float], float] = paper_cutoff) -> Spectrum:
     """All eigenpairs with 0 < lambda < cutoff(lambda_2).
 
     Args:
@@ -98,7 +98,7 @@ def eigenpairs(shape: Shape, cutoff: Callable[[float], float] = paper_cutoff) ->
     >>> bool(abs(gram - np.eye(len(spectrum.values))).max() < 1e-10)
     True
     """
-    return finish(eigenpair_steps(shape, cutoff))
+    return finish(eigenpair_steps(as_shape(shape), cutoff))
 
 
 def eigenpair_steps(

@@ -12,11 +12,11 @@ from scipy import sparse
 from idviewer.core.arrays import Floats
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon
-from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.shape import MeshLike, PolygonLike, Shape, ShapeLike, as_mesh, as_polygon, as_shape
 from idviewer.core.spectrum.intrinsic_laplacian import intrinsic_pair
 
 
-def laplacian_of(shape: Shape) -> sparse.csc_array:
+def laplacian_of(shape: ShapeLike) -> sparse.csc_array:
     """The stiffness matrix L (n, n) of a shape's boundary.
 
     `cotangent_laplacian`, or that of `intrinsic_pair` where thin triangles spoil it, or `polygon_laplacian`.
@@ -25,12 +25,13 @@ def laplacian_of(shape: Shape) -> sparse.csc_array:
     >>> laplacian_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).diagonal().tolist()
     [2.0, 2.0, 2.0, 2.0]
     """
+    shape = as_shape(shape)
     if isinstance(shape, Mesh):
         return cotangent_laplacian(shape) if shape.triangle_quality.bearable else intrinsic_pair(shape)[0]
     return polygon_laplacian(_polygon(shape))
 
 
-def masses_of(shape: Shape) -> Floats:
+def masses_of(shape: ShapeLike) -> Floats:
     """The diagonal (n,) of a shape's mass matrix M, consistent with `laplacian_of`.
 
     `voronoi_areas`, or those of `intrinsic_pair` where thin triangles spoil the Laplacian, or
@@ -40,6 +41,7 @@ def masses_of(shape: Shape) -> Floats:
     >>> masses_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).tolist()
     [1.0, 1.0, 1.0, 1.0]
     """
+    shape = as_shape(shape)
     if isinstance(shape, Mesh):
         return voronoi_areas(shape) if shape.triangle_quality.bearable else intrinsic_pair(shape)[1]
     return voronoi_lengths(_polygon(shape))
@@ -70,7 +72,7 @@ def cotangents(mesh: Mesh) -> Floats:
     return result
 
 
-def cotangent_laplacian(mesh: Mesh) -> sparse.csc_array:
+def cotangent_laplacian(mesh: MeshLike) -> sparse.csc_array:
     """The cotangent Laplacian L, positive semi-definite, with L 1 = 0.
 
     u^T L u is the Dirichlet energy of the piecewise linear function u, so L does not depend on the
@@ -88,6 +90,7 @@ def cotangent_laplacian(mesh: Mesh) -> sparse.csc_array:
     >>> bool(abs(cotangent_laplacian(tetrahedron).sum(axis=0)).max() < 1e-15)
     True
     """
+    mesh = as_mesh(mesh)
     n = len(mesh.vertices)
     half = 0.5 * cotangents(mesh).ravel(order="F")
     i = np.concatenate([mesh.faces[:, 1], mesh.faces[:, 2], mesh.faces[:, 0]])
@@ -97,7 +100,7 @@ def cotangent_laplacian(mesh: Mesh) -> sparse.csc_array:
     return sparse.csc_array(sparse.diags_array(weights.sum(axis=0)) - weights)
 
 
-def voronoi_areas(mesh: Mesh) -> Floats:
+def voronoi_areas(mesh: MeshLike) -> Floats:
     """Mixed Voronoi area of each vertex; they are positive and add up to the surface's area.
 
     A corner of a non-obtuse triangle gets its Voronoi region; in an obtuse one the obtuse corner gets
@@ -115,6 +118,7 @@ def voronoi_areas(mesh: Mesh) -> Floats:
     >>> bool(abs(voronoi_areas(tetrahedron).sum() - tetrahedron.area) < 1e-15)
     True
     """
+    mesh = as_mesh(mesh)
     cot = cotangents(mesh)
     corners = mesh.vertices[mesh.faces]
     squared = ((corners[:, [1, 2, 0]] - corners[:, [2, 0, 1]]) ** 2).sum(axis=2)
@@ -127,7 +131,7 @@ def voronoi_areas(mesh: Mesh) -> Floats:
     return np.asarray(areas, dtype=np.float64)
 
 
-def polygon_laplacian(polygon: Polygon) -> sparse.csc_array:
+def polygon_laplacian(polygon: PolygonLike) -> sparse.csc_array:
     """The Laplacian L of a polygon's boundary, positive semi-definite, with L 1 = 0.
 
     Each edge and each wire between loops (see `Polygon`) conducts one over its length: the stencil is
@@ -144,6 +148,7 @@ def polygon_laplacian(polygon: Polygon) -> sparse.csc_array:
     >>> polygon_laplacian(triangle).toarray()[0].tolist()
     [0.75, -0.25, -0.5]
     """
+    polygon = as_polygon(polygon)
     n = len(polygon.vertices)
     i, j = np.concatenate([polygon.edges, polygon.wires]).T
     conductances = 1.0 / np.concatenate([polygon.lengths, polygon.wire_lengths])
@@ -152,7 +157,7 @@ def polygon_laplacian(polygon: Polygon) -> sparse.csc_array:
     return sparse.csc_array(sparse.diags_array(weights.sum(axis=0)) - weights)
 
 
-def voronoi_lengths(polygon: Polygon) -> Floats:
+def voronoi_lengths(polygon: PolygonLike) -> Floats:
     """Half the length of the two edges at each vertex, (d- + d+) / 2; they add up to the perimeter.
 
     Source: Rustamov et al. 2009, appendix.
@@ -167,6 +172,7 @@ def voronoi_lengths(polygon: Polygon) -> Floats:
     >>> voronoi_lengths(Polygon([[0, 0], [4, 0], [4, 2], [0, 2]])).tolist()
     [3.0, 3.0, 3.0, 3.0]
     """
+    polygon = as_polygon(polygon)
     before = np.empty_like(polygon.lengths)
     before[polygon.edges[:, 1]] = polygon.lengths
     return 0.5 * (before + polygon.lengths)
