@@ -25,9 +25,9 @@ from idviewer.core import InteriorDistance, Plane
 from idviewer.core.io.samples import sample_path
 from idviewer.core.memory import release_free_memory
 from idviewer.session.pipeline import Pipeline
+from idviewer.session.planes import axis_of
 from idviewer.session.state import Frame, FrameRequest, State
 from idviewer.view.handle_geometry import Part
-from idviewer.view.panel_planes import axis_of
 from idviewer.view.post import Post
 from idviewer.view.viewport import Viewport
 from idviewer.view.window import MainWindow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
@@ -11,9 +10,9 @@ from pytestqt.qtbot import QtBot
 from tests.core import shapes
 
 from idviewer.core import DISTANCES, Mesh, Plane
-from idviewer.session.state import Display, Query, State
+from idviewer.session.planes import PlaneCommands, axis_of
+from idviewer.session.state import Display, Frame, Query, State
 from idviewer.view.panel import Calls, Panel
-from idviewer.view.panel_planes import another, axis_of
 
 
 class Recorder:
@@ -21,9 +20,11 @@ class Recorder:
 
     def __init__(self, state: State) -> None:
         self.state = state
+        self.frame: Frame | None = None
         self.calls: list[dict[str, object]] = []
         self.complaints: list[str] = []
-        self.panel = Panel(Calls(self.set, self.complaints.append))
+        self.commands = PlaneCommands(self)
+        self.panel = Panel(Calls(self.set, self.complaints.append), self.commands)
         self.panel.show_state(state, None)
 
     def set(self, **fields: object) -> None:
@@ -135,14 +136,6 @@ def test_the_slider_moves_the_plane_along_its_normal(recorder: Recorder) -> None
     assert len(recorder.calls) == 1
 
 
-def test_the_slider_of_a_tilted_plane_spans_the_shape(recorder: Recorder, mesh: Mesh) -> None:
-    recorder.set(planes=(Plane((0.3, 0.1, 0.0), (1.0, 1.0, 1.0)),))
-    for fraction in (0.0, 1.0):
-        recorder.panel.planes.move_to(fraction)
-        heights = recorder.state.query.planes[0].height(mesh.vertices)
-        assert (heights.min() if fraction == 0 else heights.max()) == pytest.approx(0, abs=1e-12)
-
-
 def test_axis_buttons_turn_the_plane_about_its_origin(recorder: Recorder) -> None:
     recorder.set(planes=(Plane((0.3, 0.1, 0.05), (1.0, 1.0, 1.0)),))
     recorder.panel.planes.axes["y"].click()
@@ -183,7 +176,7 @@ def test_planes_are_added_chosen_and_removed(recorder: Recorder) -> None:
     planes.list.setCurrentIndex(1)
     planes.list.activated.emit(1)
     second = recorder.state.query.planes[1]
-    planes.move_to(0.6)
+    recorder.commands.move_to(0.6)
     assert recorder.state.query.planes[1] != second
     planes.remove.click()
     planes.remove.click()
@@ -195,25 +188,11 @@ def test_planes_are_added_chosen_and_removed(recorder: Recorder) -> None:
     assert planes.slider.isEnabled()
 
 
-def test_the_next_plane_is_on_the_axis_least_used(mesh: Mesh) -> None:
-    taken = (Plane((0, 0, 0), (1, 0, 0.1)), Plane((0, 0, 0), (0, 0, 1)))
-    assert another(mesh, taken).normal == (0.0, 1.0, 0.0)
-
-
 def test_the_plane_can_be_put_through_the_source(recorder: Recorder) -> None:
     recorder.panel.planes.through_source.click()
     (plane,) = recorder.state.query.planes
     assert plane.origin == (0.1, 0.2, 0.3)
     assert plane.normal == (0.0, 0.0, 1.0)
-
-
-def test_the_handle_cannot_lose_the_shape(recorder: Recorder, mesh: Mesh) -> None:
-    for origin, normal in (((0, 0, 9), (0, 0, 1)), ((0, 0, -9), (0, 0, 1)), ((7, 9, 0), (1, 1, 1))):
-        recorder.panel.planes.drag_to(Plane(origin, normal))
-        (plane,) = recorder.state.query.planes
-        heights = plane.height(mesh.vertices)
-        assert heights.min() < 0 < heights.max()
-        assert np.all(np.abs(plane.origin) <= np.abs(mesh.bounds[1]) + 1)
 
 
 def test_show_controls_change_the_display_and_the_query(recorder: Recorder) -> None:

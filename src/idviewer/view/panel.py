@@ -23,11 +23,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from idviewer.session.planes import PlaneCommands
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.colormaps import COLORMAPS
+from idviewer.view.coordinate_text import format_coordinate
 from idviewer.view.flat import is_flat
 from idviewer.view.panel_distance import DistanceGroup
-from idviewer.view.panel_planes import PlanesGroup, tidy
+from idviewer.view.panel_planes import PlanesGroup
 from idviewer.view.parameter_rows import choice
 
 MOST_ISOLINES = 200
@@ -44,9 +46,9 @@ class Calls:
 class Panel(QScrollArea):
     """Source, slicing planes, the distance, and what is shown."""
 
-    def __init__(self, calls: Calls, parent: QWidget | None = None) -> None:
+    def __init__(self, calls: Calls, plane_commands: PlaneCommands, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.source, self.planes = SourceGroup(calls), PlanesGroup(calls)
+        self.source, self.planes = SourceGroup(calls), PlanesGroup(calls, plane_commands)
         self.distance, self.show_group = DistanceGroup(calls), ShowGroup(calls)
         self._groups = (self.source, self.planes, self.distance, self.show_group)
         self._content = content = QWidget()
@@ -108,7 +110,7 @@ class SourceGroup(QGroupBox):
     def _restore(self) -> None:
         values = self._source if self._source is not None else (None, None, None)
         for edit, value in zip(self.fields, values, strict=True):
-            edit.setText("" if value is None else tidy(value, self._size))
+            edit.setText("" if value is None else format_coordinate(value, self._size))
             edit.setCursorPosition(0)
 
     def _typed(self) -> None:

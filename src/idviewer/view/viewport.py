@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from idviewer.core import Plane, Polygon
 from idviewer.core.arrays import in_space
+from idviewer.session.planes import active_plane
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.camera import Pose, Projection, View
 from idviewer.view.camera_controller import CameraController
@@ -152,9 +153,7 @@ class Viewport(QWidget):
 
     @property
     def _plane(self) -> Plane | None:
-        planes, active = self._state.query.planes, self._state.display.active_plane
-        cut = self._state.shape is not None and not is_flat(self._state.shape)
-        return planes[active] if cut and active < len(planes) else None
+        return active_plane(self._state)
 
     @property
     def _polygon(self) -> Polygon | None:

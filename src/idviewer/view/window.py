@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QW
 from idviewer.core import DistanceError, MeshError, Shape, ShapeError
 from idviewer.core.io.samples import sample_names, sample_path
 from idviewer.core.shapes.rays import Ray
+from idviewer.session.planes import PlaneCommands
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, QueryError, State
 from idviewer.view import cache_menu as clearing
@@ -32,7 +33,7 @@ from idviewer.view.viewport import Viewport
 LOG = logging.getLogger(__name__)
 SAMPLES = {"Meshes": 3, "Polygons": 2}
 """Groups of the bundled shapes, and their dimensions."""
-STEP, FAR_STEP = 0.01, 0.1
+NUDGE_SHARE, FAR_NUDGE_SHARE = 0.01, 0.1
 """Shares of the shape's extent that the keys push a plane by."""
 
 
@@ -47,7 +48,8 @@ class MainWindow(QMainWindow):
         self._dialog: QDialog | None = None
         self._closed = False
         self.viewport, self.messages = Viewport(), MessageBar()
-        self.panel = Panel(Calls(session.set, self.complain))
+        self._planes = PlaneCommands(session)
+        self.panel = Panel(Calls(session.set, self.complain), self._planes)
         self.status = StatusLine(self.cancel, session.resume)
         self._reshaper = Reshaper(session, self.messages, self._show_undo)
         self._lay_out()
@@ -59,7 +61,7 @@ class MainWindow(QMainWindow):
         self.viewport.reshaped.connect(self._reshaper.move)
         self.viewport.reshaping_ended.connect(self._reshaper.remember)
         self.viewport.hovered.connect(self._show_probe)
-        self.viewport.dragged.connect(self.panel.planes.drag_to)
+        self.viewport.dragged.connect(self._planes.drag_to)
         self._connections: list[tuple[Any, Callable[..., None]]] = [
             (session.changed, self._on_changed),
             (session.framed, self._on_framed),
@@ -96,7 +98,7 @@ class MainWindow(QMainWindow):
 
     def _calls(self) -> dict[str, Callable[[], object]]:
         """What the menus do."""
-        session, viewport, planes = self.session, self.viewport, self.panel.planes
+        session, viewport, planes = self.session, self.viewport, self._planes
         views = ("front", "back", "left", "right", "top", "bottom")
         return {
             "open": self.ask_for_shape,
@@ -111,13 +113,13 @@ class MainWindow(QMainWindow):
             "upright": viewport.turn_upright,
             "controls": lambda: self.dock.setVisible(self.dock.isHidden()),
             **{f"plane_{axis}": lambda axis=axis: planes.turn_to(axis) for axis in "xyz"},  # type: ignore[misc]
-            "through": planes.go_through_source,
-            "forward": lambda: planes.nudge(STEP),
-            "backward": lambda: planes.nudge(-STEP),
-            "far_forward": lambda: planes.nudge(FAR_STEP),
-            "far_backward": lambda: planes.nudge(-FAR_STEP),
-            "add_plane": planes.add_plane,
-            "remove_plane": planes.remove_plane,
+            "through": planes.move_through_source,
+            "forward": lambda: planes.nudge(NUDGE_SHARE),
+            "backward": lambda: planes.nudge(-NUDGE_SHARE),
+            "far_forward": lambda: planes.nudge(FAR_NUDGE_SHARE),
+            "far_backward": lambda: planes.nudge(-FAR_NUDGE_SHARE),
+            "add_plane": planes.add,
+            "remove_plane": planes.remove,
             "handle": lambda: session.set(handle=not session.state.display.handle),
             "at_barycentroid": lambda: session.set(source=None),
             "barycentroid": lambda: session.set(barycentroid=not session.state.display.barycentroid),

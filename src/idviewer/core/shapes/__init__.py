@@ -1,1 +1,7 @@
 """Shapes: meshes, polygons and planes, and what is done to them."""
+
+from idviewer.core.shapes.diagnosis import Diagnosis
+from idviewer.core.shapes.plane import AXES
+from idviewer.core.shapes.rays import Ray
+
+__all__ = ["AXES", "Diagnosis", "Ray"]
