@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.view.frames import disc, frame, shown, sphere
 from tests.view.stage import SIDE, apart, color_of, stage
 
-from idviewer.view.scale_bar import nice_labels
+from idviewer.view.scale_bar import MAX_LABELS, ROUND_STEPS, nice_labels
 
 WHITE = (255, 255, 255)
 NO_SOURCE = {"source": np.array([50.0, 0.0, 0.0])}
@@ -26,7 +26,11 @@ def test_labels_are_round_evenly_spaced_and_true(start, span):
     low, high = start * span, (start + 1) * span
     ticks, texts, factor = nice_labels(low, high)
     power = float(factor.replace("×", "").replace("−", "-")) if factor else 1.0
-    assert 2 <= len(ticks) <= 10
+    assert 2 <= len(ticks) <= MAX_LABELS
+    step = np.diff(ticks)
+    assert np.allclose(step, step[0], rtol=1e-6, atol=1e-15 * np.abs(ticks).max())
+    digits = step[0] / 10 ** np.floor(np.log10(step[0]) + 1e-6)
+    assert np.abs(np.array(ROUND_STEPS) - digits).min() < 1e-5
     assert len(texts) == len(ticks) == len(set(texts))
     assert np.all((ticks >= low - 1e-6 * span) & (ticks <= high + 1e-6 * span))
     read = np.array([float(text.replace("−", "-")) for text in texts]) * power

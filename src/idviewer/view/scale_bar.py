@@ -10,6 +10,7 @@ import math
 import re
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor2D, vtkCoordinate, vtkPolyDataMapper2D, vtkProp, vtkTextActor
@@ -23,8 +24,9 @@ CHARACTER = 7.6
 """About the width of a label's character in pixels."""
 TITLE_SIZE, LABEL_SIZE, NOTE_SIZE = 15.0, 13.0, 12.0
 """Of letters, in pixels."""
-LABELS = 5
-"""About so many."""
+MAX_LABELS = 8
+ROUND_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+"""What the difference of two labels may be, but for a power of ten."""
 
 
 class ScaleBar:
@@ -35,7 +37,7 @@ class ScaleBar:
         self._lines = vtkPolyData()
         self._title = _text("right", "bottom", bold=True)
         self._note = _text("right", "top")
-        self._labels = [_text("left", "centered") for _ in range(2 * LABELS + 2)]
+        self._labels = [_text("left", "centered") for _ in range(MAX_LABELS)]
         self._bar = _flat(self._colors, layer=0)
         self._ruling = _flat(self._lines, layer=1)
         self._ruling.GetProperty().SetColor(INK)
@@ -93,7 +95,7 @@ class ScaleBar:
         _write(self._note, step, (-RIGHT, -HEIGHT / 2 - 14.0), NOTE_SIZE, scale)
 
 
-def nice_labels(low: float, high: float, about: int = LABELS) -> tuple[NDArray[np.float64], list[str], str]:
+def nice_labels(low: float, high: float) -> tuple[NDArray[np.float64], list[str], str]:
     """Round values in a range, their texts, and the power of ten that the texts leave out ("" if none).
 
     >>> nice_labels(0.0, 2.7)[1]
@@ -103,12 +105,11 @@ def nice_labels(low: float, high: float, about: int = LABELS) -> tuple[NDArray[n
     """
     if not high - low > 1e-9 * max(abs(low), abs(high)):
         return np.array([low]), [f"{low:.3g}"], ""
-    rough = (high - low) / about
-    decade = 10.0 ** math.floor(math.log10(rough))
-    step = decade * min((1.0, 2.0, 2.5, 5.0, 10.0), key=lambda nice: abs(math.log(nice * decade / rough)))
-    slack = 1e-9 * (high - low)
-    first, last = math.ceil((low - slack) / step), math.floor((high + slack) / step)
-    ticks = step * np.arange(first, last + 1, dtype=np.float64)
+    around = np.asarray(MaxNLocator(nbins=MAX_LABELS - 1, steps=ROUND_STEPS).tick_values(low, high))
+    # Free of what rounding leaves of zero, and of the labels around the range.
+    step = float(f"{around[1] - around[0]:.2g}")
+    ticks = step * np.rint(around / step)
+    ticks = ticks[(ticks >= low - 1e-6 * step) & (ticks <= high + 1e-6 * step)]
     power = math.floor(math.log10(max(abs(low), abs(high))))
     power = 0 if -3 < power < 4 else power
     unit = step / 10.0**power
