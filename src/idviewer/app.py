@@ -10,7 +10,8 @@ from types import TracebackType
 import pyvista as pv
 from PySide6.QtWidgets import QApplication
 
-from idviewer.core.io.samples import DEFAULT_SAMPLE, sample_path
+from idviewer.core import sample_path
+from idviewer.core.io import DEFAULT_SAMPLE
 from idviewer.session.runner import Work
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache

@@ -44,7 +44,7 @@ def window(shape: str | None = None, /, *, no_cache: NoCache = False) -> int:
         shape: A file, or the name of a bundled shape.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
-    from idviewer.core.io.samples import DEFAULT_SAMPLE
+    from idviewer.core.io import DEFAULT_SAMPLE
 
     path = None if shape is None else words.path_of(shape)
     obstacle = words.why_no_display()

@@ -10,21 +10,21 @@ from idviewer.cli import output
 
 if TYPE_CHECKING:
     from idviewer.core import Polygon
-    from idviewer.core.shapes.diagnosis import Diagnosis
+    from idviewer.core.shapes import Diagnosis
 
 WIDTH = 16
 
 
 def is_polygon(path: Path) -> bool:
     """Whether a file of that name holds a polygon."""
-    from idviewer.core.io.polygons import POLYGON_SUFFIXES
+    from idviewer.core.io import POLYGON_SUFFIXES
 
     return path.suffix.lower() in POLYGON_SUFFIXES and not path.is_dir()
 
 
 def mesh(name: str, path: Path, json: bool) -> tuple[str, bool]:
     """The report on a mesh, in words or JSON, and whether it can be used."""
-    from idviewer.core.io.meshes import inspect_file
+    from idviewer.core.io import inspect_file
 
     diagnosis = inspect_file(path)
     text = output.as_json({"mesh": name, **diagnosis.as_dict()}) if json else _report(name, diagnosis)

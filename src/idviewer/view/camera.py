@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import in_space
-from idviewer.core.shapes.rays import Ray
+from idviewer.core.shapes import Ray
 
 Vector = NDArray[np.float64]
 View = Literal["front", "back", "left", "right", "top", "bottom"]

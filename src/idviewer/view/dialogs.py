@@ -23,9 +23,8 @@ from PySide6.QtWidgets import (
 )
 
 from idviewer import __version__
+from idviewer.core.io import POLYGON_SUFFIXES, READABLE_SUFFIXES
 
-MESHES, POLYGONS = "*.off *.obj *.ply *.stl *.glb *.vtp", "*.csv *.svg *.json"
-SHAPE_FILES = f"Shapes ({MESHES} {POLYGONS});;Meshes ({MESHES});;Polygons ({POLYGONS});;All files (*)"
 ABOUT = """<h3>idviewer {version}</h3>
 <p>Distances inside shapes: it carries a distance between points of a surface to the points inside,
 and shows it on slices.</p>
@@ -134,9 +133,17 @@ def _pixels() -> QSpinBox:
 
 def open_dialog(folder: str, parent: QWidget) -> QFileDialog:
     """Asks for a mesh or a polygon; its `fileSelected` says which."""
-    dialog = QFileDialog(parent, "Open a mesh or a polygon", folder, SHAPE_FILES)
+    dialog = QFileDialog(parent, "Open a mesh or a polygon", folder, shape_file_filter())
     dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
     return dialog
+
+
+def shape_file_filter() -> str:
+    """The lines of the dialog's filter: every suffix that a reader is for, by kind of shape."""
+    meshes, polygons = (
+        " ".join(f"*{suffix}" for suffix in suffixes) for suffixes in (READABLE_SUFFIXES, POLYGON_SUFFIXES)
+    )
+    return f"Shapes ({meshes} {polygons});;Meshes ({meshes});;Polygons ({polygons});;All files (*)"
 
 
 def about_dialog(parent: QWidget) -> QMessageBox:

@@ -11,9 +11,8 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
-from idviewer.core import DistanceError, MeshError, Shape, ShapeError
-from idviewer.core.io.samples import sample_names, sample_path
-from idviewer.core.shapes.rays import Ray
+from idviewer.core import DistanceError, MeshError, Shape, ShapeError, sample_names, sample_path
+from idviewer.core.shapes import Ray
 from idviewer.session.planes import PlaneCommands
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, QueryError, State

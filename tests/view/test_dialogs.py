@@ -1,0 +1,39 @@
+"""The Open dialog offers what can be read."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from PySide6.QtWidgets import QWidget
+from pytestqt.qtbot import QtBot
+
+from idviewer.core import ShapeError, read_shape
+from idviewer.core.io import POLYGON_SUFFIXES, READABLE_SUFFIXES
+from idviewer.view.dialogs import open_dialog
+
+
+@pytest.fixture
+def filters(qtbot: QtBot) -> dict[str, set[str]]:
+    parent = QWidget()
+    qtbot.addWidget(parent)
+    lines = open_dialog("", parent).nameFilters()
+    return {line.partition(" (")[0]: set(re.findall(r"\*(\.\w+)", line)) for line in lines}
+
+
+def test_every_readable_suffix_is_offered(filters: dict[str, set[str]]) -> None:
+    assert filters["Meshes"] == set(READABLE_SUFFIXES)
+    assert filters["Polygons"] == set(POLYGON_SUFFIXES)
+    assert filters["Shapes"] == {*READABLE_SUFFIXES, *POLYGON_SUFFIXES}
+    assert {".gltf", ".geojson"} <= filters["Shapes"]
+    assert filters["All files"] == set()
+
+
+def test_the_readers_name_the_same_suffixes(filters: dict[str, set[str]], tmp_path: Path) -> None:
+    path = tmp_path / "shape.doc"
+    path.write_text("nothing")
+    with pytest.raises(ShapeError) as caught:
+        read_shape(path)
+    _, named = str(caught.value).split("save it as one of ")
+    assert set(named.split(", ")) == filters["Shapes"]
