@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, TypeVar
 
+import manifold3d
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -129,6 +130,11 @@ class Mesh:
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
     @property
+    def centre(self) -> NDArray[np.float64]:
+        """(3,) of the bounding box."""
+        return 0.5 * (self.bounds[0] + self.bounds[1])
+
+    @property
     def facets(self) -> NDArray[np.int64]:
         """The faces, as all shapes call the pieces of their boundaries."""
         return self.faces
@@ -147,6 +153,12 @@ class Mesh:
     def patches(self) -> Patches:
         """The faces in patches that lie together; made by the first section, some 20 ms for 100,000 faces."""
         return Patches.of(self.vertices, self.faces)
+
+    @cached_property
+    def manifold(self) -> manifold3d.Manifold:
+        """The body about its centre, for manifold3d; made by the first ray, some 10 ms for 14,000 faces."""
+        corners = self.faces.astype(np.uint64)
+        return manifold3d.Manifold(manifold3d.Mesh64(self.vertices - self.centre, corners))
 
     @cached_property
     def face_areas(self) -> NDArray[np.float64]:
