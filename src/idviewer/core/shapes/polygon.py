@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, Ints, as_points
@@ -16,13 +17,11 @@ from idviewer.core.shapes.polygon_bridges import resistances_between, wires_betw
 from idviewer.core.shapes.polygon_resampling import resampled_loops
 from idviewer.core.validation import polygon_checks as checks
 from idviewer.core.validation.polygon_checks import PolygonError
+from idviewer.core.validation.polygon_crossings import region_of
 
 __all__ = ["Polygon", "PolygonError"]
 
-PAIRS = 2**18
-"""Pairs of a point and an edge looked at together, at most about."""
-
-ON_THE_EDGE = 4.0 * float(np.finfo(np.float64).eps)
+RELATIVE_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 """Points nearer to an edge than this share of the largest coordinate lie on it, as far as floats can tell."""
 
 
@@ -69,12 +68,7 @@ class Polygon:
         self._label(name, notes)
         try:
             points = checks.points_of(vertices)
-            numbers = checks.loops_of(loops, len(points))
-            successors = checks.successors_of(numbers)
-            checks.refuse_repeated(points, successors)
-            checks.refuse_crossing(points, successors)
-            numbers = checks.oriented(points, numbers)
-            checks.refuse_nesting(points, numbers)
+            numbers = checks.checked_loops(points, checks.loops_of(loops, len(points)))
         except PolygonError as error:
             raise self._named(error) from None
         self._fill(points, numbers)
@@ -113,7 +107,7 @@ class Polygon:
         return cls(np.concatenate([np.empty((0, 2)), *points]), numbers, name, tuple(notes))
 
     def with_vertices(self, vertices: ArrayLike) -> Polygon:
-        """The same loops with vertices moved; only edges that moved are checked.
+        """The same loops with vertices moved.
 
         Args:
             vertices: (n, 2).
@@ -131,16 +125,7 @@ class Polygon:
                 raise PolygonError(
                     f"{len(self.vertices)} vertices are to be moved, and {len(points)} are given"
                 )
-            successors = checks.successors_of(self.loops)
-            changed = (points != self.vertices).any(axis=1)
-            # Edges at a moved vertex, and one before them: it and the next might now fold.
-            changed |= changed[successors]
-            moved = np.flatnonzero(changed | changed[successors])
-            checks.refuse_repeated(points, successors)
-            few = 4 * len(moved) < len(points)
-            checks.refuse_crossing(points, successors, moved if few else None)
-            loops = checks.oriented(points, self.loops)
-            checks.refuse_nesting(points, loops)
+            loops = checks.checked_loops(points, self.loops)
         except PolygonError as error:
             raise self._named(error) from None
         polygon = object.__new__(Polygon)
@@ -183,21 +168,22 @@ class Polygon:
         [True, True, False]
         """
         points = as_points(points, 2)
-        portion = max(1, PAIRS // len(self.vertices))
-        parts = [self._contains(points[i : i + portion]) for i in range(0, len(points), portion)]
-        return np.concatenate([np.zeros(0, dtype=np.bool_), *parts])
-
-    def _contains(self, points: Floats) -> NDArray[np.bool_]:
-        start, end = self.vertices, self.vertices[self.edges[:, 1]]
-        inside = checks.crossings_right(start, end, points) % 2 == 1
-        within = ON_THE_EDGE * float(np.abs(self.vertices).max())
-        low, high = np.minimum(start, end) - within, np.maximum(start, end) + within
-        x, y = points[:, :1], points[:, 1:]
-        point, edge = np.nonzero((x >= low[:, 0]) & (x <= high[:, 0]) & (y >= low[:, 1]) & (y <= high[:, 1]))
-        side, to = end[edge] - start[edge], points[point] - start[edge]
-        off = np.abs(side[:, 0] * to[:, 1] - side[:, 1] * to[:, 0]) / self.lengths[edge]
-        inside[point[off <= within]] = True
+        inside: NDArray[np.bool_] = shapely.intersects_xy(self._region, points[:, 0], points[:, 1])
+        slack = RELATIVE_ROUNDING * float(np.abs(self.vertices).max())
+        low, high = self.bounds
+        beside = ~inside & ((points >= low - slack) & (points <= high + slack)).all(axis=1)
+        inside[beside] = shapely.dwithin(self._region, shapely.points(points[beside]), slack)
         return inside
+
+    @cached_property
+    def _region(self) -> shapely.Polygon:
+        """The polygon as shapely knows it. Its trees are made by the first query, so here: see `contains`."""
+        region = region_of(self.vertices, self.loops)
+        shapely.prepare(region)
+        corner = shapely.points(self.vertices[0])
+        shapely.intersects(region, corner)
+        shapely.dwithin(region, corner, 0.0)
+        return region
 
     @cached_property
     def bounds(self) -> Floats:

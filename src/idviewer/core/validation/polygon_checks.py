@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.errors import ShapeError
-from idviewer.core.validation.polygon_crossings import crossing, turns
+from idviewer.core.validation.polygon_crossings import crossing, folded_vertex, is_simple
 
 REPEATED = 1e-12
 """Neighbours nearer than this share of the bounding box's diagonal are one vertex."""
@@ -29,7 +30,7 @@ def points_of(vertices: ArrayLike) -> Floats:
         raise PolygonError(f"vertices must have the shape (n, 2), not {points.shape}")
     if not np.isfinite(points).all():
         first = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
-        raise PolygonError(f"{told(points, first)} is not finite; give it two ordinary numbers")
+        raise PolygonError(f"{described(points, first)} is not finite; give it two ordinary numbers")
     return np.ascontiguousarray(points)
 
 
@@ -66,23 +67,42 @@ def scaled(vertices: Floats) -> Floats:
     return np.ldexp(vertices, -int(np.frexp(np.abs(vertices).max())[1]))
 
 
-def oriented(vertices: Floats, loops: tuple[Ints, ...]) -> tuple[Ints, ...]:
+def checked_loops(vertices: Floats, loops: tuple[Ints, ...]) -> tuple[Ints, ...]:
     """The outer loop first and counter-clockwise, then the holes, clockwise; each keeps its first vertex.
 
+    Args:
+        vertices: (n, 2).
+        loops: vertex numbers of each loop, in any order and sense.
+
     Raises:
-        PolygonError: a loop encloses no area.
+        PolygonError: vertices are repeated, edges fold, cross or touch, a loop has no area, or a hole lies in
+            the wrong place.
     """
-    areas = [signed_area(vertices[loop]) for loop in loops]
-    span = float(np.ptp(vertices, axis=0).max())
-    for loop, area in zip(loops, areas, strict=True):
-        if abs(area) <= 1e-15 * span**2 * len(loop):
-            raise PolygonError(
-                f"the loop from {told(vertices, int(loop[0]))} on encloses no area; move its vertices apart"
-            )
+    successors = successors_of(loops)
+    refuse_repeated(vertices, successors)
+    areas = np.array([signed_area(vertices[loop]) for loop in loops])
     outer = int(np.argmax(np.abs(areas)))
     order = [outer, *(number for number in range(len(loops)) if number != outer)]
-    turned = (loops[n] if (areas[n] > 0.0) == (n == outer) else _reversed(loops[n]) for n in order)
-    return tuple(turned)
+    simple = is_simple(scaled(vertices), tuple(loops[number] for number in order))
+    if not simple:
+        refuse_crossing(vertices, successors)
+    refuse_empty(vertices, loops, areas)
+    oriented = tuple(loops[n] if (areas[n] > 0.0) == (n == outer) else _reversed(loops[n]) for n in order)
+    if not simple:
+        refuse_nesting(vertices, oriented)
+        raise PolygonError("the outline crosses or touches itself; move its vertices apart")
+    return oriented
+
+
+def refuse_empty(vertices: Floats, loops: tuple[Ints, ...], areas: Floats) -> None:
+    """Raise PolygonError if a loop encloses no area."""
+    span = float(np.ptp(vertices, axis=0).max())
+    for loop, area in zip(loops, areas.tolist(), strict=True):
+        if abs(area) <= 1e-15 * span**2 * len(loop):
+            raise PolygonError(
+                f"the loop from {described(vertices, int(loop[0]))} on encloses no area; "
+                "move its vertices apart"
+            )
 
 
 def signed_area(points: Floats) -> float:
@@ -107,36 +127,25 @@ def refuse_repeated(vertices: Floats, successors: Ints) -> None:
     if len(short):
         i = int(short[0])
         raise PolygonError(
-            f"{told(vertices, i)} is repeated as vertex {int(successors[i])}; remove one of them"
+            f"{described(vertices, i)} is repeated as vertex {int(successors[i])}; remove one of them"
         )
     order = np.lexsort(vertices.T)
     same = np.flatnonzero((vertices[order[1:]] == vertices[order[:-1]]).all(axis=1))
     if len(same):
         first, second = sorted((int(order[same[0]]), int(order[same[0] + 1])))
         raise PolygonError(
-            f"{told(vertices, first)} is repeated as vertex {second}, so the outline touches itself; "
+            f"{described(vertices, first)} is repeated as vertex {second}, so the outline touches itself; "
             "move one of them away"
         )
 
 
-def refuse_crossing(vertices: Floats, successors: Ints, moved: Ints | None = None) -> None:
-    """Raise PolygonError if the outline turns back on itself, or edges cross or touch.
-
-    Args:
-        vertices: (n, 2).
-        successors: (n,) vertex that follows each.
-        moved: edges to look at; all by default.
-    """
+def refuse_crossing(vertices: Floats, successors: Ints) -> None:
+    """Raise PolygonError if the outline turns back on itself, or edges cross or touch."""
     exact = scaled(vertices)
-    before = np.arange(len(exact)) if moved is None else moved
-    at, after = successors[before], successors[successors[before]]
-    back = np.einsum("ij,ij->i", exact[before] - exact[at], exact[after] - exact[at]) > 0.0
-    before, at, after = before[back], at[back], after[back]
-    folded = np.flatnonzero(turns(exact[before], exact[at], exact[after]) == 0)
-    if len(folded):
-        where = told(vertices, int(at[folded[0]]))
-        raise PolygonError(f"the outline turns back on itself at {where}; move it")
-    found = crossing(exact, successors, moved)
+    folded = folded_vertex(exact, successors)
+    if folded is not None:
+        raise PolygonError(f"the outline turns back on itself at {described(vertices, folded)}; move it")
+    found = crossing(exact, successors)
     if found is not None:
         one, other = (_edge(vertices, i, int(successors[i])) for i in found)
         raise PolygonError(f"{one} crosses or touches {other}; move one of their vertices away")
@@ -144,42 +153,27 @@ def refuse_crossing(vertices: Floats, successors: Ints, moved: Ints | None = Non
 
 def refuse_nesting(vertices: Floats, loops: tuple[Ints, ...]) -> None:
     """Raise PolygonError unless each hole lies in the outer loop and in no other; no edges may cross."""
+    outlines = [shapely.polygons(vertices[loop]) for loop in loops]
     for number, loop in enumerate(loops[1:], 1):
-        first = vertices[loop[:1]]
-        where = told(vertices, int(loop[0]))
-        if not winds_around(vertices[loops[0]], first)[0]:
+        x, y = vertices[loop[0]]
+        where = described(vertices, int(loop[0]))
+        if not shapely.contains_xy(outlines[0], x, y):
             raise PolygonError(
                 f"the hole from {where} on lies outside the outer loop, "
-                f"that from {told(vertices, int(loops[0][0]))} on; leave out one of the two"
+                f"that from {described(vertices, int(loops[0][0]))} on; leave out one of the two"
             )
         for other, around in enumerate(loops[1:], 1):
-            if other != number and winds_around(vertices[around], first)[0]:
+            if other != number and shapely.contains_xy(outlines[other], x, y):
                 raise PolygonError(
                     f"the hole from {where} on lies inside another, "
-                    f"that from {told(vertices, int(around[0]))} on; leave out one of the two"
+                    f"that from {described(vertices, int(around[0]))} on; leave out one of the two"
                 )
 
 
-def winds_around(loop: Floats, points: Floats) -> np.ndarray:
-    """(p,) whether points lie inside a closed loop (k, 2), by the even-odd rule."""
-    start, end = loop, np.roll(loop, -1, axis=0)
-    return crossings_right(start, end, points) % 2 == 1
-
-
-def crossings_right(start: Floats, end: Floats, points: Floats) -> Ints:
-    """(p,) how many edges the ray from each point to the right crosses."""
-    below, at = start[:, 1] <= points[:, 1, None], end[:, 1] <= points[:, 1, None]
-    point, edge = np.nonzero(below != at)
-    a, b, (x, y) = start[edge], end[edge], points[point].T
-    across = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (x - a[:, 0]) * (b[:, 1] - a[:, 1])
-    crossed = (across > 0.0) == below[point, edge]
-    return np.bincount(point[crossed], minlength=len(points))
-
-
-def told(vertices: Floats, vertex: int) -> str:
+def described(vertices: Floats, vertex: int) -> str:
     """A vertex in words.
 
-    >>> told(np.array([[0.5, 2.0]]), 0)
+    >>> described(np.array([[0.5, 2.0]]), 0)
     'vertex 0 (0.5, 2)'
     """
     x, y = vertices[vertex]

@@ -1,103 +1,76 @@
-"""Which edges of a polygon cross or touch: exact signs, and no tolerance."""
+"""Which edges of a polygon cross, touch or fold: shapely's robust predicates, and no tolerance."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from fractions import Fraction
-
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
 
-Signs = NDArray[np.int64]
 
-ROUNDING = 3.4e-16
-"""Largest relative error of the float determinant (Shewchuk 1997, ccwerrboundA, rounded up)."""
-
-PAIRS = 2**19
-"""Pairs of edges looked at together, at most about."""
+def rings_of(vertices: Floats, loops: tuple[Ints, ...]) -> NDArray[np.object_]:
+    """(l,) the loops as shapely's rings."""
+    return np.array([shapely.linearrings(vertices[loop]) for loop in loops], dtype=object)
 
 
-def turns(first: Floats, second: Floats, third: Floats) -> Signs:
-    """Where three points turn: 1 to the left, -1 to the right, 0 not at all; exact for any coordinates.
+def region_of(vertices: Floats, loops: tuple[Ints, ...]) -> shapely.Polygon:
+    """A polygon (n, 2) as shapely's; the outer one of its loops comes first."""
+    rings = rings_of(vertices, loops)
+    return shapely.polygons(rings[0], rings[1:])
 
-    Floats decide where their rounding cannot change the sign, rational numbers the few that are left.
-    Source: the filter of Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
-    Geometric Predicates".
+
+def is_simple(vertices: Floats, loops: tuple[Ints, ...]) -> bool:
+    """Whether edges have nothing in common but the vertex between neighbours, and holes lie inside.
+
+    Holes that touch something are valid for shapely, but none of ours.
 
     Args:
-        first: (p, 2).
-        second: (p, 2).
-        third: (p, 2).
+        vertices: (n, 2).
+        loops: vertex numbers of each loop, the outer one first.
 
-    >>> first, second = np.zeros((2, 2)), np.full((2, 2), 0.1)
-    >>> turns(first, second, np.array([[0.3, 0.3], [0.3, 0.1 + 0.2]])).tolist()
-    [0, 1]
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> is_simple(square, (np.arange(4),)), is_simple(square, (np.array([0, 2, 1, 3]),))
+    (True, False)
     """
-    left = (first[:, 0] - third[:, 0]) * (second[:, 1] - third[:, 1])
-    right = (first[:, 1] - third[:, 1]) * (second[:, 0] - third[:, 0])
-    difference = left - right
-    signs = np.sign(difference).astype(np.int64)
-    for i in np.flatnonzero(np.abs(difference) < ROUNDING * (np.abs(left) + np.abs(right))):
-        (ax, ay), (bx, by), (cx, cy) = (
-            map(Fraction, points[i].tolist()) for points in (first, second, third)
-        )
-        exact = (ax - cx) * (by - cy) - (ay - cy) * (bx - cx)
-        signs[i] = (exact > 0) - (exact < 0)
-    return signs
+    if not shapely.is_valid(region_of(vertices, loops)):
+        return False
+    rings = rings_of(vertices, loops)
+    first, second = shapely.STRtree(rings).query(rings, predicate="intersects")
+    return bool(np.all(first == second))
 
 
-def crossing(vertices: Floats, successors: Ints, moved: Ints | None = None) -> tuple[int, int] | None:
+def folded_vertex(vertices: Floats, successors: Ints) -> int | None:
+    """The first vertex at which the outline turns back on itself; None if there is none.
+
+    Args:
+        vertices: (n, 2); edge i goes from vertex i to its successor.
+        successors: (n,).
+    """
+    edges = shapely.linestrings(vertices[_ends(successors)])
+    folded = np.flatnonzero(~shapely.touches(edges, edges[successors]))
+    return int(successors[folded[0]]) if len(folded) else None
+
+
+def crossing(vertices: Floats, successors: Ints) -> tuple[int, int] | None:
     """Two edges that have a point in common though they do not follow each other; None if there are none.
 
     Args:
         vertices: (n, 2); edge i goes from vertex i to its successor.
         successors: (n,).
-        moved: only pairs with one of these edges are looked at; all by default.
+
+    Returns:
+        The pair with the lowest numbers.
+
+    >>> crossing(np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 2.0]]), np.array([1, 2, 3, 0]))
+    (0, 2)
     """
-    starts, ends = vertices, vertices[successors]
-    low, high = np.minimum(starts, ends), np.maximum(starts, ends)
-    for i, j in _swept(low, high) if moved is None else _beside(low, high, moved):
-        apart = (successors[i] != j) & (successors[j] != i) & (i != j)
-        i, j = i[apart], j[apart]
-        # Of two collinear edges the boxes overlap, so they do too.
-        split = turns(starts[i], ends[i], starts[j]) * turns(starts[i], ends[i], ends[j]) <= 0
-        i, j = i[split], j[split]
-        split = turns(starts[j], ends[j], starts[i]) * turns(starts[j], ends[j], ends[i]) <= 0
-        if split.any():
-            pairs = np.sort(np.stack([i[split], j[split]], axis=1), axis=1)
-            first, second = min(pairs.tolist())
-            return first, second
-    return None
+    edges = shapely.linestrings(vertices[_ends(successors)])
+    i, j = shapely.STRtree(edges).query(edges, predicate="intersects")
+    apart = (i < j) & (successors[i] != j) & (successors[j] != i)
+    first, second = min(np.stack([i[apart], j[apart]], axis=1).tolist(), default=(-1, -1))
+    return None if first < 0 else (first, second)
 
 
-def _swept(low: Floats, high: Floats) -> Iterator[tuple[Ints, Ints]]:
-    """Pairs of boxes that overlap, in portions: swept along the axis with fewer neighbours."""
-    sweeps = []
-    for axis in (0, 1):
-        order = np.argsort(low[:, axis], kind="stable")
-        last = np.searchsorted(low[order, axis], high[order, axis], side="right")
-        sweeps.append((last - np.arange(1, len(low) + 1), order, 1 - axis))
-    counts, order, other = min(sweeps, key=lambda sweep: int(sweep[0].sum()))
-    total = np.cumsum(counts)
-    portions = np.searchsorted(total, np.arange(PAIRS, total[-1] + PAIRS, PAIRS), side="left") + 1
-    first = 0
-    for stop in np.unique(np.minimum(portions, len(low))):
-        number = counts[first:stop]
-        item = np.repeat(np.arange(first, stop), number)
-        step = np.arange(len(item)) - np.repeat(np.cumsum(number) - number, number)
-        i, j = order[item], order[item + 1 + step]
-        overlap = (low[i, other] <= high[j, other]) & (low[j, other] <= high[i, other])
-        yield i[overlap], j[overlap]
-        first = int(stop)
-
-
-def _beside(low: Floats, high: Floats, chosen: Ints) -> Iterator[tuple[Ints, Ints]]:
-    """Pairs of a chosen box and any other that overlap, in portions."""
-    portion = max(1, PAIRS // len(low))
-    for first in range(0, len(chosen), portion):
-        some = chosen[first : first + portion]
-        overlap = (low[some, None] <= high).all(axis=2) & (low <= high[some, None]).all(axis=2)
-        i, j = np.nonzero(overlap)
-        yield some[i], j
+def _ends(successors: Ints) -> Ints:
+    return np.stack([np.arange(len(successors)), successors], axis=1)
