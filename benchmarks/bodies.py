@@ -15,8 +15,7 @@ from idviewer.core import InteriorDistance, Mesh, Plane, section
 from idviewer.core.shapes.plane import AXES
 from idviewer.core.slices.triangulation import slice_mesh, spacing_for
 from idviewer.session.pipeline import Pipeline, run_to_end
-from idviewer.session.session import default_plane
-from idviewer.session.state import Query
+from idviewer.session.state import Query, default_plane
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,7 @@ from timing import arrivals, percentile
 from truth import frame_error, largest_on_slices
 
 from idviewer.core import Plane
-from idviewer.session.session import default_plane
-from idviewer.session.state import Frame, FrameRequest, Query
+from idviewer.session.state import Frame, FrameRequest, Query, default_plane
 
 TITLE = "A dragged plane: from its pose to frames"
 NOTE = (

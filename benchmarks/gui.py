@@ -12,10 +12,10 @@ from table import Bar, Row
 from timing import take_turns
 
 from idviewer.core import section
+from idviewer.core.sampling import SliceValues
 from idviewer.core.slices.triangulation import slice_mesh, spacing_for
 from idviewer.session.picking import FramePicker
-from idviewer.session.session import default_plane
-from idviewer.session.state import Display, Frame, Query, Slice, State
+from idviewer.session.state import Display, Frame, Query, State, default_plane
 from idviewer.view.scene import Scene
 
 TITLE = "A frame in the window's thread"
@@ -78,7 +78,7 @@ def frame_of(body: Body, shift: float) -> Frame:
         np.linalg.norm(p - mesh.vertices[0], axis=1) for p in (filled.points, mesh.vertices)
     )
     outline = tuple(loop.astype(np.int32) for loop in cut.loops)
-    one = Slice(plane, filled.points, filled.triangles, values, outline)
+    one = SliceValues(plane, filled.points, filled.triangles, values, outline)
     return Frame(
         shape=mesh,
         query=Query(planes=(plane,)),

@@ -18,9 +18,17 @@ from idviewer.core import Diffusion, InteriorDistance, Mesh, Plane, Spectrum
 from idviewer.core.compilation import compile_steps
 from idviewer.core.steps import finish
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.session import default_plane
 from idviewer.session.spectrum_cache import SpectrumCache
-from idviewer.session.state import Failure, Frame, FrameRequest, Opened, OpenRequest, Query, Ready
+from idviewer.session.state import (
+    Failure,
+    Frame,
+    FrameRequest,
+    Opened,
+    OpenRequest,
+    Query,
+    Ready,
+    default_plane,
+)
 
 NEAR = 1e-3
 """Share of its range within which a frame counts as final."""

@@ -12,8 +12,7 @@ from timing import arrivals, percentile
 from truth import frame_error
 
 from idviewer.core import Diffusion, Plane
-from idviewer.session.session import default_plane
-from idviewer.session.state import Frame, FrameRequest, Point, Query
+from idviewer.session.state import Frame, FrameRequest, Point, Query, default_plane
 
 TITLE = "A moved source and the slider of the diffusion time, on a complete slice"
 NOTE = "Medians over 20 first frames, 95th percentiles beside them; errors as for the dragged plane."

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
 from idviewer.core import InteriorDistance
-from idviewer.session.state import Frame, Slice
+from idviewer.core.sampling import SliceValues
+from idviewer.session.state import Frame
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,7 +49,7 @@ def largest_on_slices(frame: Frame) -> float:
     return max(float(np.nanmax(one.values, initial=0.0)) for one in frame.slices)
 
 
-def _slice_error(one: Slice, exact: InteriorDistance, origin: Floats) -> float:
+def _slice_error(one: SliceValues, exact: InteriorDistance, origin: Floats) -> float:
     if not len(one.points):
         return 0.0
     first = _spread(one)
@@ -59,18 +60,18 @@ def _slice_error(one: Slice, exact: InteriorDistance, origin: Floats) -> float:
     return float(max(errors.max(), more.max(initial=0.0)) / np.nanmax(values))
 
 
-def _values(one: Slice, chosen: Ints, exact: InteriorDistance, origin: Floats) -> Floats:
+def _values(one: SliceValues, chosen: Ints, exact: InteriorDistance, origin: Floats) -> Floats:
     return np.linalg.norm(exact.embed(one.points[chosen]) - origin, axis=1)
 
 
-def _errors(one: Slice, chosen: Ints, values: Floats) -> Floats:
+def _errors(one: SliceValues, chosen: Ints, values: Floats) -> Floats:
     """Infinite where a value is missing; 0 where a point of the outline is outside but for rounding."""
     errors = np.abs(one.values[chosen] - values)
     errors[np.isnan(one.values[chosen])] = np.inf
     return np.where(np.isnan(values), 0.0, errors)
 
 
-def _spread(one: Slice) -> Ints:
+def _spread(one: SliceValues) -> Ints:
     generator = np.random.default_rng(SEED)
     on_outline = np.zeros(len(one.points), dtype=bool)
     on_outline[np.concatenate(one.outline)] = True
@@ -81,5 +82,5 @@ def _spread(one: Slice) -> Ints:
     return np.unique(np.concatenate([highest, anywhere, generator.permutation(band)[:IN_BAND]]))
 
 
-def _around(one: Slice, points: Ints) -> Ints:
+def _around(one: SliceValues, points: Ints) -> Ints:
     return np.unique(one.triangles[np.isin(one.triangles, points).any(axis=1)]).astype(np.int64)

@@ -12,8 +12,7 @@ from pathlib import Path
 
 from idviewer.core import Plane, read_mesh
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.session import default_plane
-from idviewer.session.state import Frame, FrameRequest, Query
+from idviewer.session.state import Frame, FrameRequest, Query, default_plane
 
 INTERVAL = 40
 """Milliseconds between two poses."""
@@ -53,7 +52,7 @@ class Hand:
         self._window = next(one for one in windows if isinstance(one, MainWindow))
         self._session, self._left = self._window.session, moves
         self._timer = QTimer(interval=INTERVAL, timeout=self._move)
-        self._session.framed.connect(self._look)
+        self._session.frame_ready.connect(self._look)
 
     def _look(self, frame: Frame) -> None:
         if not frame.exact or frame.query != self._session.state.query or self._timer.isActive():

@@ -11,7 +11,7 @@ from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.rays import Ray, crossings, middle_of_first_chord
 from idviewer.core.slices.mesh_sections import Section, section
-from idviewer.core.slices.triangulation import refined, slice_mesh, spacing_for
+from idviewer.core.slices.triangulation import edges_of, slice_mesh, spacing_for, split
 
 
 def random_plane(mesh: Mesh, rng: np.random.Generator) -> Plane:
@@ -174,7 +174,8 @@ def test_refining_equals_its_slow_twin(rng):
     cut = section(BODIES["torus"], random_plane(BODIES["torus"], rng))
     triangles = slice_mesh(cut, spacing_for(cut, 100)).triangles
     count = int(triangles.max()) + 1
-    ends, smaller = refined(np.zeros((count, 2)), triangles)
+    ends, edges = edges_of(count, triangles)
+    smaller = split(triangles, edges + count)
     sides = sorted(
         {(min(a, b), max(a, b)) for t in triangles.tolist() for a, b in zip(t, t[1:] + t[:1], strict=True)}
     )
@@ -222,7 +223,9 @@ def test_finer_lattices_contain_the_coarser_ones(rng):
 
 def test_refining_keeps_the_area():
     points = np.array([[0.0, 0], [2, 0], [0, 1], [2, 1]])
-    ends, triangles = refined(points, np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32))
+    triangles = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
+    ends, edges = edges_of(len(points), triangles)
+    triangles = split(triangles, edges + len(points))
     points = np.concatenate([points, points[ends].mean(axis=1)])
     sides = points[triangles][:, 1:] - points[triangles][:, :1]
     areas = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import queue
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.core import shapes
 
 from idviewer.core import Mesh, Plane
-from idviewer.core.sampling import plane_samples
+from idviewer.core.sampling import settings
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
 
@@ -29,7 +30,8 @@ def egg(level: int = 3) -> Mesh:
 def few_samples() -> Iterator[None]:
     """A module that imports this has a quarter of the samples on slices: each is computed like the others."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plane_samples, "COARSEST", plane_samples.COARSEST // 4)
+        few = replace(settings.SAMPLING, coarsest_nodes=settings.SAMPLING.coarsest_nodes // 4)
+        patch.setattr(settings, "SAMPLING", few)
         yield
 
 
@@ -54,17 +56,17 @@ class Owner:
             self._posted.get()()
 
 
-class FactorWorkspace:
+class WatchedSession:
     """A session with its owner's thread, and a log of all that it tells; closed at the end of a `with`."""
 
     def __init__(self, cache: SpectrumCache | None = None) -> None:
         self.owner = Owner()
         self.session = Session(self.owner.post, cache=cache)
         self.log: list[tuple] = []
-        for name in ("changed", "opened", "readied", "framed", "progressed", "failed"):
+        for name in ("changed", "opened", "prepared", "frame_ready", "progressed", "failed"):
             getattr(self.session, name).connect(lambda *told, name=name: self.log.append((name, *told)))
 
-    def __enter__(self) -> FactorWorkspace:
+    def __enter__(self) -> WatchedSession:
         return self
 
     def __exit__(self, *_: object) -> None:

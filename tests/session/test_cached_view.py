@@ -12,13 +12,12 @@ from tests.session.bodies import egg
 
 from idviewer.core import Biharmonic, Diffusion, Plane
 from idviewer.core.interior.interpolation import BasisInterpolation
+from idviewer.session import cached_view
 from idviewer.session import eigenpair_source as eigenpairs
-from idviewer.session import spectrum_cache
-from idviewer.session.cached_view import default_plane
 from idviewer.session.eigenpair_source import READING
 from idviewer.session.pipeline import SEARCHING, Pipeline, run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
-from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready
+from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready, default_plane
 
 MESH = egg(4)
 """It has more faces than are sampled exactly at once."""
@@ -65,7 +64,7 @@ def copy(seen, tmp_path) -> SpectrumCache:
 
 
 def opening_of(cache: SpectrumCache) -> Path:
-    return next(path for path in cache.folder.iterdir() if path.stem.endswith(spectrum_cache.VIEW))
+    return next(path for path in cache.folder.iterdir() if path.stem.endswith(cached_view.VIEW))
 
 
 def test_it_takes_no_sample(seen, monkeypatch):
@@ -118,7 +117,8 @@ def test_other_eigenvectors_do_not_use_it(copy):
 def test_damage_is_remarked_once_and_mended(copy):
     path = opening_of(copy)
     content = path.read_bytes()
-    path.write_bytes(content[:-1] + bytes([content[-5000] ^ 1]))
+    at = len(content) // 2
+    path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
     told, _ = view(copy)
     assert "The view kept of this shape was sampled again" in frames(told)[-1].remarks[0]
     assert path.read_bytes() == content

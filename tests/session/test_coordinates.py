@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import FactorWorkspace, egg, few_samples  # noqa: F401
+from tests.session.bodies import WatchedSession, egg, few_samples  # noqa: F401
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.coordinates import maximum_entropy
+from idviewer.core.sampling import SourceError
 from idviewer.core.sampling.plane_samples import PlaneSamples
-from idviewer.core.sampling.sampler import QUICK_FACES, Sampler
+from idviewer.core.sampling.sampler import Sampler
+from idviewer.core.sampling.settings import SAMPLING
 from idviewer.core.steps import finish
-from idviewer.session import shape_context as prepared_module
+from idviewer.session import shape_context as context_module
 from idviewer.session.pipeline import Pipeline
-from idviewer.session.state import Frame, FrameRequest, Query, QueryError
+from idviewer.session.state import Frame, FrameRequest, Query
 
 MESH = egg(2)
 PLANE = Plane((0.1, 0.0, 0.0), (1.0, 0.2, 0.1))
@@ -90,7 +92,7 @@ def test_stated_errors_hold(pipeline):
 @pytest.mark.slow
 def test_where_there_is_no_approximation_large_meshes_are_sampled_exactly():
     hand = read_mesh(sample_path("hand_2k"))
-    assert len(hand.faces) > QUICK_FACES
+    assert len(hand.faces) > SAMPLING.exact_facets
     solver = InteriorDistance(hand, Euclidean())
     assert not Sampler(solver).exact_always
     for coordinates in ("maximum_entropy", "shepard"):
@@ -125,18 +127,18 @@ def test_changing_to_and_fro_samples_nothing_again(pipeline, monkeypatch):
 
 @pytest.mark.slow
 def test_samples_used_longest_ago_make_room(pipeline, monkeypatch):
-    monkeypatch.setattr(prepared_module, "KEPT_SAMPLED", 2)
+    monkeypatch.setattr(context_module, "KEPT_BASES", 2)
     made = Pipeline()
     names = ("mean_value", "shepard", "mean_value", "maximum_entropy")
     for name in names:
         run(made, Query((PLANE,), SOURCE, Euclidean(), coordinates=name))
-    kept = [one.solver.coordinates.name for one in made._prepared._sampled]
+    kept = [one.solver.coordinates.name for one in made._context._bases]
     assert kept == ["mean_value", "maximum_entropy"]
 
 
 @pytest.mark.slow
 def test_unknown_coordinates_are_a_failure_and_the_last_ones_come_back():
-    with FactorWorkspace() as desk:
+    with WatchedSession() as desk:
         desk.session.show(MESH)
         desk.settle()
         desk.session.set(coordinates="wachspress")
@@ -202,7 +204,7 @@ class TestPointsWithoutWeights:
         run(made, query)
         monkeypatch.setattr(maximum_entropy, "RESIDUAL", -1.0)
         *_, failure = run(made, Query((PLANE,), (0.0, 0.2, 0.4), Euclidean(), coordinates="maximum_entropy"))
-        assert isinstance(failure.error, QueryError)
+        assert isinstance(failure.error, SourceError)
         assert str(failure.error) == (
             "maximum entropy coordinates were not found at the source (0, 0.2, 0.4); move it a little, "
             "or choose other coordinates"

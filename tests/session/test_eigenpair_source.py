@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.session.bodies import FactorWorkspace, egg
+from tests.session.bodies import WatchedSession, egg
 
 from idviewer.core import Diffusion, Euclidean, Mesh, Plane
+from idviewer.session import array_cache, array_files
 from idviewer.session import eigenpair_source as eigenpairs
-from idviewer.session import spectrum_cache, stored_arrays
 from idviewer.session.eigenpair_source import COMPUTING, READING
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
@@ -75,7 +75,7 @@ def test_its_frames_are_those_of_a_fresh_computation(filled):
 
 
 def test_a_session_opens_it_without_the_solver(filled, no_solver):
-    with FactorWorkspace(filled) as desk:
+    with WatchedSession(filled) as desk:
         desk.session.show(MESH)
         desk.settle()
         assert desk.session.frame.exact
@@ -97,7 +97,7 @@ def test_writing_goes_on_with_the_next_request(cache):
         next(one for one in steps if isinstance(one, Frame))
         next(steps)
         steps.close()
-        if [path.suffix for path in files(cache)] == [spectrum_cache.SUFFIX]:
+        if [path.suffix for path in files(cache)] == [array_cache.SUFFIX]:
             break
     else:
         pytest.fail("it was never finished")
@@ -167,7 +167,7 @@ def test_a_full_disk_is_one_remark_and_no_error(cache, monkeypatch):
     def full(*_):
         raise OSError(28, os.strerror(28))
 
-    monkeypatch.setattr(stored_arrays, "_put_steps", full)
+    monkeypatch.setattr(array_files, "_save", full)
     pipeline = Pipeline(cache)
     first, second = (frames(list(pipeline.results(FrameRequest(mesh, QUERY)))) for mesh in (MESH, egg(1)))
     assert first[0].remarks == ()

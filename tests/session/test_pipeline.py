@@ -8,6 +8,8 @@ from tests.session.bodies import egg
 
 from idviewer.core import Euclidean, InteriorDistance, Plane
 from idviewer.core.interior.interpolation import BasisInterpolation
+from idviewer.core.sampling.plane_samples import PlaneSamples
+from idviewer.session import eigenpair_source, kernels
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import (
     DropRequest,
@@ -76,7 +78,7 @@ def test_the_last_frame_is_a_direct_computation(pipeline, solver):
 
 @pytest.mark.slow
 def test_coarse_frames_come_first_and_state_their_error(pipeline, solver):
-    pipeline._prepared.sampled(QUERY)._planes.clear()
+    pipeline._context.samples(QUERY)._planes.clear()
     frames = frames_of(pipeline, QUERY)
     assert len(frames) == 3
     assert [frame.level for frame in frames] == list(range(len(frames)))
@@ -122,7 +124,7 @@ def test_a_frame_describes_itself(pipeline):
 
 @pytest.mark.slow
 def test_without_a_source_it_is_the_barycentroid_and_the_potential_is_lowest_there(pipeline):
-    through = pipeline._prepared.barycentroid(QUERY)
+    through = pipeline._context.barycentroid(QUERY)
     query = Query(planes=(Plane(through, (1.0, 0, 0)),), quantity="potential")
     frame = frames_of(pipeline, query)[-1]
     np.testing.assert_array_equal(frame.source, frame.barycentroid)
@@ -154,6 +156,31 @@ def test_preparation_goes_on_where_a_replaced_request_left_it():
     later = [one for one in pipeline.results(FrameRequest(MESH, Query())) if one is not None]
     assert later[0] != stages[0], "the preparation started anew"
     assert isinstance(later[-1], Frame)
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        (eigenpair_source, "eigenpair_steps"),
+        (InteriorDistance, "barycentroid_steps"),
+        (kernels, "compile_steps"),
+        (PlaneSamples, "_make"),
+    ],
+    ids=lambda work: work[1],
+)
+def test_after_a_defect_in_the_middle_of_the_work_the_next_request_is_answered(work, monkeypatch):
+    """Whatever was half done when it failed is begun anew, and not taken for done."""
+
+    def defective(*_, **__):
+        yield 0.5
+        raise RuntimeError("a defect")
+
+    pipeline = Pipeline()
+    with monkeypatch.context() as patch:
+        patch.setattr(*work, defective)
+        with pytest.raises(RuntimeError, match="a defect"):
+            frames_of(pipeline, QUERY)
+    assert frames_of(pipeline, QUERY)[-1].exact
 
 
 def test_dropping_forgets_half_done_work():

@@ -8,7 +8,8 @@ from tests.session.bodies import egg, random_planes
 
 from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, read_mesh, sample_path
 from idviewer.core.sampling.plane_samples import PlaneSamples
-from idviewer.core.sampling.sampler import AFFORDABLE, QUICK_FACES, Sampler
+from idviewer.core.sampling.sampler import Sampler
+from idviewer.core.sampling.settings import SAMPLING
 from idviewer.core.spectrum import memory_estimate as room
 from idviewer.core.steps import finish
 from idviewer.session.pipeline import Pipeline
@@ -213,7 +214,7 @@ def test_thin_and_many_loops_are_filled(sampler, rng):
             sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             area = 0.5 * (sides @ np.array(plane.normal)).sum()
             assert area == pytest.approx(samples.section.area, rel=1e-9)
-            assert np.isfinite(one.cloud.rows).all()
+            assert np.isfinite(one.rows).all()
             assert one.triangles.max() == len(one.points) - 1
     assert len(PlaneSamples(sampler, most, 2000).section.loops) >= 3
 
@@ -222,13 +223,13 @@ def test_a_plane_that_misses_the_body_gives_an_empty_slice(sampler):
     samples = PlaneSamples(sampler, Plane((9.0, 9.0, 9.0 + HAND.diagonal), (0, 0, 1.0)), 2000)
     for level in range(samples.levels):
         one = finish(samples.level_steps(level))
-        assert len(one.points) == len(one.triangles) == len(one.cloud.distances(np.ones(1))) == 0
+        assert len(one.points) == len(one.triangles) == len(one.norms.distances(np.ones(1))) == 0
 
 
 @pytest.mark.slow
 def test_on_a_small_mesh_every_sample_is_exact():
     solver = InteriorDistance(egg(2))
-    assert len(solver.shape.faces) <= QUICK_FACES
+    assert len(solver.shape.faces) <= SAMPLING.exact_facets
     sampler = Sampler(solver)
     assert sampler.ready
     samples = PlaneSamples(sampler, Plane((0.1, 0, 0), (1.0, 0, 0)), 30000)
@@ -238,4 +239,4 @@ def test_on_a_small_mesh_every_sample_is_exact():
 
 def test_the_memory_foretold_counts_with_the_trees_that_are_built():
     """A compact shape has twice as many facets as vertices, and some 170 modes."""
-    assert 160 < AFFORDABLE / (2 * room.SMALL) < 180
+    assert 160 < SAMPLING.tree_products / (2 * room.SMALL) < 180

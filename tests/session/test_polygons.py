@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import FactorWorkspace, egg, few_samples  # noqa: F401
+from tests.session.bodies import WatchedSession, egg, few_samples  # noqa: F401
 
 from idviewer.core import (
     Biharmonic,
@@ -20,10 +20,11 @@ from idviewer.core import (
     sample_path,
     write_polygon,
 )
+from idviewer.core.sampling import POLYGON_PLANE
 from idviewer.core.shapes.rays import Ray
 from idviewer.session.picking import pick
 from idviewer.session.pipeline import Pipeline, run_to_end
-from idviewer.session.state import FLAT, Failure, Frame, FrameRequest, Progress, Query, Ready
+from idviewer.session.state import Failure, Frame, FrameRequest, Progress, Query, Ready
 
 L_SHAPE = Polygon([[0, 0], [4, 0], [4, 1], [1, 1], [1, 3], [0, 3]], name="L")
 RING = read_shape(sample_path("ring"))
@@ -66,7 +67,7 @@ def test_every_value_of_the_last_frame_is_the_library_s(polygon, coordinates):
 @pytest.mark.parametrize("polygon", [L_SHAPE, RING], ids=lambda one: one.name)
 def test_the_slice_covers_the_polygon_and_nothing_else(polygon):
     (one,) = frames_of(polygon, Query(planes=(Plane((9.0, 9.0, 9.0), (1.0, 0, 0)),)))[-1].slices
-    assert one.plane == FLAT
+    assert one.plane == POLYGON_PLANE
     (ax, ay), (bx, by), (cx, cy) = (one.points[one.triangles[:, k], :2].T for k in range(3))
     areas = 0.5 * ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))
     assert areas.min() >= -1e-12 * polygon.area
@@ -179,7 +180,7 @@ class TestPicking:
 class TestSession:
     def test_a_polygon_is_opened_shown_and_clicked(self, tmp_path):
         write_polygon(L_SHAPE, tmp_path / "corner.csv")
-        with FactorWorkspace() as desk:
+        with WatchedSession() as desk:
             desk.session.set(distance=Diffusion(time=0.3), source=(0.0, 0.0, 9.0))
             desk.session.open(tmp_path / "corner.csv")
             desk.settle()
@@ -204,7 +205,7 @@ class TestSession:
 
     def test_what_is_no_polygon_fails_and_leaves_what_was_there(self, tmp_path):
         (tmp_path / "bow.csv").write_text("0,0\n1,1\n1,0\n0,1\n")
-        with FactorWorkspace() as desk:
+        with WatchedSession() as desk:
             desk.session.show(SQUARE)
             desk.settle()
             desk.session.open(tmp_path / "bow.csv")
@@ -216,7 +217,7 @@ class TestSession:
     @pytest.mark.slow
     def test_meshes_and_polygons_take_turns(self):
         mesh = egg(1)
-        with FactorWorkspace() as desk:
+        with WatchedSession() as desk:
             for shape in (SQUARE, mesh, L_SHAPE):
                 desk.session.set(distance=Euclidean(), coordinates="shepard")
                 desk.session.show(shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.session.bodies import FactorWorkspace
+from tests.session.bodies import WatchedSession
 
 from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.interior import preview
@@ -119,7 +119,7 @@ def test_what_needs_no_eigenpairs_and_who_does_not_look_on_get_no_preview(mesh):
 
 
 def test_the_source_and_the_planes_stay(mesh):
-    with FactorWorkspace() as desk:
+    with WatchedSession() as desk:
         desk.session.show(mesh)
         desk.owner.run_until(lambda: desk.session.frame is not None)
         assert desk.session.frame.preview is not None
@@ -136,7 +136,7 @@ def test_the_source_and_the_planes_stay(mesh):
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_cancelled_in_a_stage_it_shows_what_there_is_and_resumes(mesh, stage):
-    with FactorWorkspace() as desk:
+    with WatchedSession() as desk:
         desk.session.show(mesh)
         desk.owner.run_until(lambda: any(told and told.stage == stage for (told,) in desk.told("progressed")))
         desk.session.cancel()
@@ -152,6 +152,6 @@ def test_cancelled_in_a_stage_it_shows_what_there_is_and_resumes(mesh, stage):
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_closed_in_a_stage_the_thread_ends(mesh, stage):
-    with FactorWorkspace() as desk:
+    with WatchedSession() as desk:
         desk.session.show(mesh)
         desk.owner.run_until(lambda: any(told and told.stage == stage for (told,) in desk.told("progressed")))

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-import io
-import json
-
 import numpy as np
 import pytest
 from tests.core import shapes
-from tests.session.bodies import FactorWorkspace, egg
+from tests.session.bodies import WatchedSession, egg
 
 from idviewer.core import (
     GPS,
-    Biharmonic,
     Diffusion,
     Euclidean,
     Geodesic,
-    GivenDistances,
     GivenEmbedding,
     Mesh,
     Plane,
-    SpectralFilter,
 )
 from idviewer.core.shapes.rays import Ray
-from idviewer.session.record import Recorder, replay
-from idviewer.session.session import default_plane, point_of
-from idviewer.session.state import State
+from idviewer.session.state import default_plane
 
 MESH = egg()
 
@@ -39,7 +31,7 @@ def write_off(path, mesh: Mesh) -> None:
 
 @pytest.fixture
 def desk():
-    with FactorWorkspace() as made:
+    with WatchedSession() as made:
         yield made
 
 
@@ -66,7 +58,7 @@ def test_a_mesh_shown_ends_in_an_exact_frame_through_its_barycentroid(settled):
     assert plane.normal == default_plane(MESH).normal == (1.0, 0.0, 0.0)
     assert abs(plane.height(frame.barycentroid[None])[0]) < 1e-12
     assert settled.told("opened") == [(MESH, None)]
-    assert len(settled.told("readied")) == 1
+    assert len(settled.told("prepared")) == 1
     assert settled.told("progressed")[-1] == (None,)
 
 
@@ -212,10 +204,10 @@ def test_frames_of_another_mesh_are_dropped(settled):
     settled.session.show(other)
     assert settled.session.frame is None
     settled.settle()
-    late = [frame for (frame,) in settled.told("framed") if frame.shape is other]
+    late = [frame for (frame,) in settled.told("frame_ready") if frame.shape is other]
     assert late
     last_of_first = max(
-        i for i, entry in enumerate(settled.log) if entry[0] == "framed" and entry[1].shape is MESH
+        i for i, entry in enumerate(settled.log) if entry[0] == "frame_ready" and entry[1].shape is MESH
     )
     shown = next(i for i, entry in enumerate(settled.log) if entry == ("opened", other, None))
     assert last_of_first < shown
@@ -247,38 +239,6 @@ def test_a_diffusion_time_is_not_carried_to_another_mesh(desk):
     assert desk.session.state.query.distance == Diffusion()
 
 
-@pytest.mark.parametrize(
-    "distance",
-    [
-        Diffusion(time=0.1 + 0.2),
-        GPS(),
-        Biharmonic(),
-        Euclidean(),
-        Geodesic(landmarks=40, method="exact"),
-        Geodesic(),
-        SpectralFilter("1 / (1 + lambda)"),
-        GivenDistances("distances.npy", fit="approximate"),
-        GivenEmbedding("embedding.npy"),
-    ],
-)
-def test_distances_are_recorded_with_their_parameters(desk, distance):
-    stream = io.StringIO()
-    recorder = Recorder(desk.session, stream)
-    desk.session.set(distance=distance)
-    recorder.close()
-    desk.session.set(distance=Diffusion(time=7.0))
-    replay(stream.getvalue().splitlines(), desk.session, desk.settle)
-    assert desk.session.state.query.distance == distance
-
-
-def test_distances_handed_over_in_python_cannot_be_recorded(desk):
-    recorder = Recorder(desk.session, io.StringIO())
-    for distance in (SpectralFilter(np.sqrt), GivenEmbedding(np.eye(3))):
-        with pytest.raises(ValueError, match="handed over as a Python object and cannot be recorded"):
-            desk.session.set(distance=distance)
-    recorder.close()
-
-
 def test_a_file_of_distances_is_not_carried_to_another_mesh(desk):
     desk.session.set(distance=GivenEmbedding("embedding.npy"))
     desk.session.show(egg(1))
@@ -286,42 +246,3 @@ def test_a_file_of_distances_is_not_carried_to_another_mesh(desk):
     desk.session.set(distance=Geodesic(landmarks=50))
     desk.session.show(egg(1))
     assert desk.session.state.query.distance == Geodesic(landmarks=50)
-
-
-@pytest.mark.slow
-def test_a_recording_replays_to_the_same_frame(settled, tmp_path):
-    path = tmp_path / "egg.off"
-    write_off(path, MESH)
-    stream = io.StringIO()
-    recorder = Recorder(settled.session, stream)
-    settled.session.open(path)
-    settled.settle()
-    settled.session.set(planes=(Plane((0.1, 0, 0), (1.0, 0.1, 0)),), isolines=9, distance=Diffusion(time=0.3))
-    settled.settle()
-    settled.session.click(Ray((5.0, 0.2, 0.3), (-1.0, 0.0, 0.0)))
-    settled.settle()
-    recorder.close()
-    settled.session.set(isolines=30)
-    lines = stream.getvalue().splitlines()
-    assert [json.loads(line)["do"] for line in lines] == ["open", "set", "click"]
-
-    other = FactorWorkspace()
-    try:
-        replay(lines, other.session, other.settle)
-        again = other.session.frame
-        expected = settled.session.frame
-        assert again.query == expected.query
-        assert other.session.state.display.isolines == 9
-        np.testing.assert_allclose(again.slices[0].values, expected.slices[0].values, rtol=1e-12)
-        with pytest.raises(ValueError, match="line 2 of the recording"):
-            replay([lines[1], '{"do": "explode"}'], other.session, other.settle)
-    finally:
-        other.session.close()
-
-
-def test_points_are_read_from_text():
-    assert point_of("1, 2,3e-1") == (1.0, 2.0, 0.3)
-    for text in ("1,2", "a,b,c", "nan,0,0"):
-        with pytest.raises(ValueError):  # noqa: PT011
-            point_of(text)
-    assert State().with_(isolines=3).display.isolines == 3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from tests.session.bodies import egg
 from idviewer.core import Mesh, Polygon, Spectrum, eigenpairs
 from idviewer.core.spectrum.eigen_solver import paper_cutoff
 from idviewer.core.steps import finish
-from idviewer.session import spectrum_cache
+from idviewer.session import array_files, spectrum_cache
 from idviewer.session.spectrum_cache import SpectrumCache
 
 MESH = egg(2)
@@ -40,6 +41,22 @@ def cache(tmp_path) -> SpectrumCache:
 def filled(cache, spectrum) -> SpectrumCache:
     cache.store(MESH, spectrum)
     return cache
+
+
+@pytest.fixture
+def gate(filled, monkeypatch):
+    """Files that are begun from now on wait for it."""
+    made = threading.Event()
+    save = array_files._save
+    monkeypatch.setattr(array_files, "_save", lambda *given: made.wait(60.0) and save(*given))
+    yield made
+    made.set()
+
+
+def begin_writing(steps) -> None:
+    """Until the file is begun."""
+    while next(steps) is not None:
+        pass
 
 
 def complaint(cache: SpectrumCache, shape=MESH) -> str:
@@ -116,7 +133,7 @@ def test_what_is_between_the_bounds_is_not_missing(cache, spectrum):
     assert_same(cache.lookup(MESH, lambda _: bound), replace(spectrum, bound=bound))
 
 
-@pytest.mark.parametrize("place", [3, 30, 3000, 4096, 40_000, -1])
+@pytest.mark.parametrize("place", [0, 3, 300, 3000, 4096, 40_000, -20])
 def test_a_damaged_byte_is_told_and_replaced(filled, spectrum, place):
     path = the_file(filled)
     content = bytearray(path.read_bytes())
@@ -131,6 +148,16 @@ def test_half_a_file_is_told(filled):
     path = the_file(filled)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     assert complaint(filled) == "was damaged"
+
+
+def test_a_file_of_the_former_format_is_not_found(filled, monkeypatch):
+    """Its name is made from another version of the format."""
+    the_file(filled).unlink()
+    with monkeypatch.context() as patch:
+        patch.setattr(spectrum_cache, "FORMAT", 1)
+        former = finish(spectrum_cache.key_steps(MESH))
+    (filled.folder / f"{former}.kept").write_bytes(b"idviewer arrays 1\n")
+    assert finish(filled.lookup_steps(MESH, paper_cutoff)) == (None, "")
 
 
 def test_a_text_is_told(filled):
@@ -172,12 +199,12 @@ def test_what_takes_a_large_share_is_not_kept(tmp_path, spectrum):
     assert cache.size == 0
 
 
-def test_two_that_write_at_a_time_do_no_harm(cache, spectrum):
-    first, second = (cache.store_steps(MESH, spectrum) for _ in range(2))
+def test_two_that_write_at_a_time_do_no_harm(cache, spectrum, gate):
+    first, second = (cache.save_steps(MESH, spectrum) for _ in range(2))
     for steps in (first, second):  # both have begun their files
-        for _ in range(8):
-            next(steps)
-    assert len(list(cache.folder.iterdir())) == 2
+        begin_writing(steps)
+    assert sorted(path.suffix for path in cache.folder.iterdir()) == [".kept", ".part", ".part"]
+    gate.set()
     finish(first)
     assert_same(cache.lookup(MESH, paper_cutoff), spectrum)
     finish(second)
@@ -194,13 +221,13 @@ def test_one_that_reads_is_not_disturbed_by_another_that_clears(filled, spectrum
     assert list(filled.folder.iterdir()) == []
 
 
-def test_clearing_spares_what_is_not_its_own_and_what_is_being_written(filled, spectrum):
+def test_clearing_spares_what_is_not_its_own_and_what_is_being_written(filled, spectrum, gate):
     note = filled.folder / "note.txt"
     note.write_text("mine")
-    size, steps = filled.size, filled.store_steps(MESH, spectrum)
-    for _ in range(8):
-        next(steps)
+    size, steps = filled.size, filled.save_steps(MESH, spectrum)
+    begin_writing(steps)
     assert filled.clear() == size
+    gate.set()
     finish(steps)
     assert_same(filled.lookup(MESH, paper_cutoff), spectrum)
     assert note.read_text() == "mine"

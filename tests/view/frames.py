@@ -10,7 +10,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from idviewer.core import Mesh, Plane
-from idviewer.session.state import Frame, Query, Slice, State
+from idviewer.core.sampling import SliceValues
+from idviewer.session.state import Frame, Query, State
 
 Floats = NDArray[np.float64]
 Values = Callable[[Floats], Floats]
@@ -35,7 +36,9 @@ def along_x(points: Floats) -> Floats:
     return points[:, 0].copy()
 
 
-def disc(plane: Plane = FACING, radius: float = 1.0, values: Values = from_centre, rings: int = 40) -> Slice:
+def disc(
+    plane: Plane = FACING, radius: float = 1.0, values: Values = from_centre, rings: int = 40
+) -> SliceValues:
     """A disc around the plane's origin, sampled on rings of six times as many points."""
     counts = 6 * np.arange(1, rings + 1)
     radii = np.repeat(radius * np.arange(1, rings + 1) / rings, counts)
@@ -44,7 +47,7 @@ def disc(plane: Plane = FACING, radius: float = 1.0, values: Values = from_centr
     first, second = plane.basis
     points = np.array(plane.origin) + flat[:, :1] * first + flat[:, 1:] * second
     outline = np.arange(len(points) - counts[-1], len(points), dtype=np.int32)
-    return Slice(plane, points, _ring_triangles(counts), values(points), (outline,))
+    return SliceValues(plane, points, _ring_triangles(counts), values(points), (outline,))
 
 
 def _ring_triangles(counts: NDArray[np.int64]) -> NDArray[np.int32]:
@@ -64,7 +67,7 @@ def _ring_triangles(counts: NDArray[np.int64]) -> NDArray[np.int32]:
 
 
 def frame(
-    mesh: Mesh, *slices: Slice, value_range: tuple[float, float] = (0.0, 1.0), **changes: object
+    mesh: Mesh, *slices: SliceValues, value_range: tuple[float, float] = (0.0, 1.0), **changes: object
 ) -> Frame:
     """A frame of these slices with its source and barycentroid at the origin."""
     made = Frame(

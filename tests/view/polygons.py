@@ -8,9 +8,10 @@ import numpy as np
 from tests.view.frames import Values, along_x, frame
 
 from idviewer.core import Polygon, write_polygon
+from idviewer.core.sampling import POLYGON_PLANE, SliceValues
 from idviewer.core.slices.polygon_sections import polygon_section
 from idviewer.core.slices.triangulation import slice_mesh
-from idviewer.session.state import FLAT, Frame, Slice
+from idviewer.session.state import Frame
 
 
 def star(points: int = 5, between: int = 4, name: str = "star") -> Polygon:
@@ -37,11 +38,13 @@ def ring(count: int = 120) -> Polygon:
     return Polygon.of_loops([circle, 0.5 * circle], name="ring")
 
 
-def coloured(polygon: Polygon, values: Values = along_x) -> Slice:
+def coloured(polygon: Polygon, values: Values = along_x) -> SliceValues:
     """The whole polygon with values that are a formula of the position."""
     mesh = slice_mesh(polygon_section(polygon), 0.05)
     loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
-    return Slice(FLAT, mesh.points, mesh.triangles.astype(np.int32), values(mesh.points), loops)
+    return SliceValues(
+        POLYGON_PLANE, mesh.points, mesh.triangles.astype(np.int32), values(mesh.points), loops
+    )
 
 
 def flat_frame(polygon: Polygon, values: Values = along_x, **changes: object) -> Frame:

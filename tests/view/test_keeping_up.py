@@ -263,11 +263,11 @@ def watched(window: MainWindow) -> Iterator[Seen]:
         seen.framed.append(frame.query)
 
     session.changed.connect(asked)
-    session.framed.connect(framed)
+    session.frame_ready.connect(framed)
     tag = screen.AddObserver("StartEvent", seen.drawn)
     yield seen
     screen.RemoveObserver(tag)
-    session.framed.disconnect(framed)
+    session.frame_ready.disconnect(framed)
     session.changed.disconnect(asked)
 
 

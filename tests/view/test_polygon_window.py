@@ -198,7 +198,7 @@ def test_a_dragged_vertex_takes_the_distances_along(qtbot: QtBot, mouse: Mouse, 
     viewport, session = window.viewport, window.session
     start, first, pose = vertices_of(window), session.frame, viewport.pose
     ranges: list[tuple[float, float]] = []
-    session.framed.connect(lambda frame: ranges.append(frame.value_range))
+    session.frame_ready.connect(lambda frame: ranges.append(frame.value_range))
     x, y = at(window, TIP)
     mouse.drag(viewport, (x + 2, y + 1), (x + 42, y - 39), steps=10)
     frame = wait_until_done(qtbot, session)
@@ -318,7 +318,7 @@ def test_no_stale_picture_after_a_hundred_moves(qtbot: QtBot, mouse: Mouse, wind
     frames: list[Frame] = []
     window.session.set(source=(0.0, 0.0, 0.0))
     wait_until_done(qtbot, window.session)
-    window.session.framed.connect(frames.append)
+    window.session.frame_ready.connect(frames.append)
     x, y = at(window, TIP)
     angles = np.linspace(0, 6 * np.pi, 100)
     way = [(x + 30 * np.sin(a), y - 40 + 40 * np.cos(a)) for a in angles] + [(x + 25, y - 30)]

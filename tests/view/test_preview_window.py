@@ -31,7 +31,9 @@ def opened(qtbot: QtBot) -> MainWindow:
 def test_a_preview_is_marked_until_the_final_picture_is_there(qtbot: QtBot) -> None:
     window = opened(qtbot)
     frames = []
-    window.session.framed.connect(lambda frame: frames.append((frame.preview, window.status.preview.text())))
+    window.session.frame_ready.connect(
+        lambda frame: frames.append((frame.preview, window.status.preview.text()))
+    )
     qtbot.waitUntil(lambda: bool(frames) and window.session.frame.exact, timeout=LONG)
     assert frames[0][0] is not None
     for error, words in frames:

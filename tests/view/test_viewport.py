@@ -157,7 +157,7 @@ def test_the_arrow_pushes_the_slice_live(qtbot: QtBot, mouse: Mouse, window: Mai
     viewport, session = window.viewport, window.session
     viewport.look_from("right")
     heights: list[float] = []
-    session.framed.connect(lambda frame: heights.append(frame.slices[0].plane.origin[2]))
+    session.frame_ready.connect(lambda frame: heights.append(frame.slices[0].plane.origin[2]))
     start_plane, x_y = session.state.query.planes[0], grip(viewport, Part.PUSH)
     goal = np.add(start_plane.origin, [0, 0, 0.15])
     way = np.subtract(*viewport.projection.project([goal, start_plane.origin]))

@@ -151,7 +151,7 @@ def test_dragging_the_time_recolours_live_without_sampling(
     window = show_shape(qtbot, ellipsoid, work=Pipeline().results)
     session, row = window.session, window.panel.distance.rows["diffusion", "time"]
     before, titles = session.frame, []
-    session.framed.connect(lambda frame: titles.append(frame.title))
+    session.frame_ready.connect(lambda frame: titles.append(frame.title))
     monkeypatch.setattr(PlaneSamples, "_sample", None)  # calling it would be an error
     x, middle = handle_of(row.slider)
     pixels = pixels_of(window)

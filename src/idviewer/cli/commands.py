@@ -114,7 +114,7 @@ def solver_of(shape: Shape, kind: Carried, cache: SpectrumCache | None) -> Inter
 
 def remarks_of(solver: InteriorDistance) -> tuple[str, ...]:
     """What there is to say of the weights that a solver found."""
-    from idviewer.session.shape_context import remarks_on
+    from idviewer.core.sampling import remarks_on
 
     return remarks_on(solver.coordinates)
 
@@ -193,8 +193,8 @@ def query_of(shape: Shape, kind: Carried, asked: PictureQuery) -> Query:
 def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:
     """What a query asks for; of a mesh without a plane, on the one that the window shows first."""
     from idviewer.core import Plane
+    from idviewer.session import default_plane
     from idviewer.session.pipeline import Pipeline
-    from idviewer.session.session import default_plane
 
     pipeline = Pipeline(cache)
     if shape.dimension == 3 and not query.planes:

@@ -96,7 +96,8 @@ def _report(name: str, diagnosis: Diagnosis) -> str:
 
 
 def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
-    from idviewer.core.spectrum.memory_estimate import needed_bytes, size
+    from idviewer.core.memory import bytes_in_words
+    from idviewer.core.spectrum.memory_estimate import needed_bytes
 
     yield "vertices", f"{diagnosis.vertices:,}"
     yield "faces", f"{diagnosis.faces:,}"
@@ -112,12 +113,16 @@ def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
     if diagnosis.volume is not None:
         yield "volume", f"{diagnosis.volume:.6g}"
     if diagnosis.usable:
-        yield "memory", f"about {size(needed_bytes(diagnosis.vertices))} to open it{_too_much(diagnosis)}"
+        yield (
+            "memory",
+            f"about {bytes_in_words(needed_bytes(diagnosis.vertices))} to open it{_too_much(diagnosis)}",
+        )
 
 
 def _too_much(diagnosis: Diagnosis) -> str:
-    from idviewer.core.spectrum.memory_estimate import needed_bytes, room_bytes, size, vertices_for
+    from idviewer.core.memory import bytes_in_words
+    from idviewer.core.spectrum.memory_estimate import needed_bytes, room_bytes, vertices_for
 
     if needed_bytes(diagnosis.vertices) <= (room := room_bytes()):
         return ""
-    return f"; this machine has {size(room)}: simplify it to about {vertices_for(room):,} vertices"
+    return f"; this machine has {bytes_in_words(room)}: simplify it to about {vertices_for(room):,} vertices"

@@ -30,6 +30,9 @@ from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
 from idviewer.core.io.samples import sample_names, sample_path
+from idviewer.core.sampling.basis_samples import SourceError
+from idviewer.core.sampling.evaluation import slice_values
+from idviewer.core.sampling.sampled_slice import SliceValues
 from idviewer.core.shapes.diagnosis import diagnose
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.plane import Plane
@@ -75,6 +78,8 @@ __all__ = [
     "Section",
     "Shape",
     "ShapeError",
+    "SliceValues",
+    "SourceError",
     "SpectralFilter",
     "Spectrum",
     "cotangent_laplacian",
@@ -97,6 +102,7 @@ __all__ = [
     "sample_names",
     "sample_path",
     "section",
+    "slice_values",
     "voronoi_areas",
     "voronoi_lengths",
     "write_polygon",

@@ -1,6 +1,59 @@
 """What is shown and how it is computed: state, pipeline, runner and session, without any window."""
 
+from idviewer.session.eigenpair_source import EigenpairSource
+from idviewer.session.picking import FramePicker, Probe, Target
+from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.previews import describe_preview
+from idviewer.session.runner import Runner, Work
 from idviewer.session.session import Session
-from idviewer.session.state import Display, Frame, Query, State
+from idviewer.session.spectrum_cache import SpectrumCache
+from idviewer.session.state import (
+    Display,
+    DropRequest,
+    Failure,
+    Finished,
+    Frame,
+    FrameRequest,
+    Opened,
+    OpenRequest,
+    Point,
+    Progress,
+    Quantity,
+    Query,
+    Ready,
+    Request,
+    Result,
+    State,
+    default_plane,
+)
 
-__all__ = ["Display", "Frame", "Query", "Session", "State"]
+__all__ = [
+    "Display",
+    "DropRequest",
+    "EigenpairSource",
+    "Failure",
+    "Finished",
+    "Frame",
+    "FramePicker",
+    "FrameRequest",
+    "OpenRequest",
+    "Opened",
+    "Pipeline",
+    "Point",
+    "Probe",
+    "Progress",
+    "Quantity",
+    "Query",
+    "Ready",
+    "Request",
+    "Result",
+    "Runner",
+    "Session",
+    "SpectrumCache",
+    "State",
+    "Target",
+    "Work",
+    "default_plane",
+    "describe_preview",
+    "run_to_end",
+]

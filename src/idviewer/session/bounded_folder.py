@@ -1,4 +1,4 @@
-"""A folder of files that may go at any time; those used longest ago make room for new ones."""
+"""A folder of files that may go at any time; those used longest ago give way to new ones."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from idviewer.session.stored_arrays import UNFINISHED
+from idviewer.core.io import PART_SUFFIX
 
-LARGEST_SHARE = 0.5
-"""A file that takes more of the limit would drive out too many others."""
+LARGEST_FILE = 0.5
+"""Of the limit: a larger file would drive out too many others."""
 
-ABANDONED = 3600.0
-"""Seconds after which nobody goes on writing a file."""
+ABANDONED_SECONDS = 3600.0
+"""After which nobody goes on writing a file."""
 
 
 class _Entry(NamedTuple):
@@ -35,7 +35,7 @@ class BoundedFolder:
     >>> with tempfile.TemporaryDirectory() as name:
     ...     folder = BoundedFolder(Path(name), ".kept", 1000)
     ...     for stem in "abc":
-    ...         folder.make_room(400)
+    ...         folder.evict(400)
     ...         _ = folder.file(stem).write_bytes(bytes(400))
     ...         os.utime(folder.file(stem), (ord(stem), ord(stem)))
     ...     [path.name for path in sorted(folder.path.iterdir())], folder.size
@@ -50,16 +50,16 @@ class BoundedFolder:
         return self.path / f"{stem}{self._suffix}"
 
     def used(self, stem: str) -> None:
-        """Notes that a file was of use."""
+        """Note that a file was of use."""
         with suppress(OSError):
             os.utime(self.file(stem))
 
     def takes(self, size: int) -> bool:
         """Whether a file of so many bytes may be put here."""
-        return size <= LARGEST_SHARE * self.limit
+        return size <= LARGEST_FILE * self.limit
 
-    def make_room(self, size: int) -> None:
-        """Makes the folder, and deletes what was used longest ago until so many bytes may be added.
+    def evict(self, size: int) -> None:
+        """Make the folder, and delete what was used longest ago until so many bytes may be added.
 
         Raises:
             OSError: the folder cannot be made.
@@ -68,17 +68,17 @@ class BoundedFolder:
         entries = sorted(self._entries())
         total = sum(entry.size for entry in entries) + size
         for entry in entries:
-            forgotten = entry.path.suffix == UNFINISHED and entry.used < time.time() - ABANDONED
-            if (total > self.limit and entry.path.suffix != UNFINISHED) or forgotten:
+            forgotten = entry.path.suffix == PART_SUFFIX and entry.used < time.time() - ABANDONED_SECONDS
+            if (total > self.limit and entry.path.suffix != PART_SUFFIX) or forgotten:
                 total -= _delete(entry)
 
     def clear(self) -> int:
-        """Deletes all files but those that are being written; the number of bytes that this freed."""
-        stale = time.time() - ABANDONED
+        """Delete all files but those that are being written; the number of bytes that this freed."""
+        stale = time.time() - ABANDONED_SECONDS
         return sum(
             _delete(entry)
             for entry in self._entries()
-            if entry.path.suffix != UNFINISHED or entry.used < stale
+            if entry.path.suffix != PART_SUFFIX or entry.used < stale
         )
 
     @property
@@ -93,7 +93,7 @@ class BoundedFolder:
                 for one in found:
                     # Another program may delete it meanwhile.
                     with suppress(OSError):
-                        if Path(one.name).suffix in (self._suffix, UNFINISHED) and one.is_file():
+                        if Path(one.name).suffix in (self._suffix, PART_SUFFIX) and one.is_file():
                             status = one.stat()
                             entries.append(_Entry(status.st_mtime, status.st_size, Path(one.path)))
         except OSError:  # there is no folder yet, or none that may be looked into

@@ -1,118 +1,140 @@
-"""Frames of one query, made from samples: columns are scaled, norms taken, nothing is sampled but points."""
+"""Frames of one query, coarse to fine: columns of samples are scaled, and norms taken."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.interior import ERROR_SHARE_OF_AN_END
-from idviewer.core.sampling.plane_samples import PlaneSamples, SampledSlice
-from idviewer.core.sampling.point_norms import squares_of
+from idviewer.core.distances import percentage
+from idviewer.core.sampling import POLYGON_PLANE, PlaneSamples, SampledSlice, error_bound, squares_of
 from idviewer.session.shape_context import ShapeContext
-from idviewer.session.state import FLAT, Frame, Point, Query, Slice
+from idviewer.session.state import Frame, Point, Progress, Query, Result
 
 PROBE_SAFETY = 1.5
 """The largest error of all is taken to be so many times the largest probed."""
+
+SEARCHING = "Finding the barycentroid"
 
 
 class FrameBuilder:
     """Makes the frames of a query.
 
     Args:
-        prepared: what is known of the shape; samples and a barycentroid must be there.
+        context: what is known of the shape; samples and a barycentroid must be there.
         query: what to show.
     """
 
-    def __init__(self, prepared: ShapeContext, query: Query) -> None:
-        self._prepared, self._query = prepared, query
-        self._sampled = prepared.sampled(query)
-        self._planes = (FLAT,) if prepared.shape.dimension == 2 else query.planes
-        self.solver = self._sampled.solver.with_distance(query.distance)
-
-    def prepare_steps(self) -> Generator[float, None, list[PlaneSamples]]:
-        """What sampling needs, if there is something to sample, and the samples on the planes to show."""
-        if not self.is_there:
-            yield from self._sampled.sampler.prepare_steps()
-        return [self._sampled.on(plane) for plane in self._planes]
+    def __init__(self, context: ShapeContext, query: Query) -> None:
+        self._context, self._query = context, query
+        self._samples = context.samples(query)
+        self._planes = (POLYGON_PLANE,) if context.shape.dimension == 2 else query.planes
+        self.solver = self._samples.solver.with_distance(query.distance)
 
     @property
     def is_there(self) -> bool:
         """Whether nothing has to be sampled for the exact frame."""
-        final = all(self._sampled.on(plane).final for plane in self._planes)
-        return final and self.settled and self.has_exact_points
+        final = all(self._samples.on(plane).final for plane in self._planes)
+        return final and self._knows_barycentroid and self._has_exact_points
+
+    def prepare_steps(self) -> Generator[float, None, list[PlaneSamples]]:
+        """Prepare sampling, if there is something to sample; return the samples on the planes to show."""
+        if not self.is_there:
+            yield from self._samples.sampler.prepare_steps()
+        return [self._samples.on(plane) for plane in self._planes]
+
+    def coarse_to_fine(self, samples: list[PlaneSamples]) -> Generator[Result | None, None, None]:
+        """The frames. The first needs nothing but samples, so that a slider's drag is followed; where the
+        distance's own barycentroid is not known yet, the one shown before stands for it meanwhile. Nor does
+        the first wait for the exact sample of a new source. Of a preview it is the only one.
+        """
+        levels = max((one.levels for one in samples), default=1)
+        first = min((one.start for one in samples), default=0)
+        for level in range(first, levels if self._context.preview is None else 1):
+            slices = []
+            for one in samples:
+                slices.append((yield from one.level_steps(level)))
+            if level == first and not self._has_exact_points:
+                source_rtol = self._samples.sampler.settings.source_rtol
+                yield (yield from self._frame_steps(slices, level, source_rtol))
+                if level < levels - 1 and self._knows_barycentroid:
+                    continue
+            yield (yield from self._frame_steps(slices, level))
+            if not self._knows_barycentroid and (self._shows_barycentroid or level == levels - 1):
+                yield Progress(SEARCHING)
+                yield from self._context.find_barycentroid_steps(self.solver)
+                yield (yield from self._frame_steps(slices, level))
 
     @property
-    def settled(self) -> bool:
+    def _knows_barycentroid(self) -> bool:
         """Whether the query's own barycentroid is known."""
-        return self._prepared.is_settled(self._query)
+        return self._context.found_barycentroid(self._query) is not None
 
     @property
-    def shows_barycentroid(self) -> bool:
+    def _shows_barycentroid(self) -> bool:
         """Whether the values depend on it."""
         return self._query.source is None or self._query.quantity == "potential"
 
     @property
-    def has_exact_points(self) -> bool:
+    def _has_exact_points(self) -> bool:
         """Whether the points that the values depend on need no sampling that takes time."""
-        return all(self._sampled.is_exact(point) for point in self._points_needed())
+        return all(self._samples.is_exact(point) for point in self._points_needed())
 
-    def frame_steps(
-        self, slices: list[SampledSlice], level: int, rtol: float = 0.0
+    def _frame_steps(
+        self, slices: list[SampledSlice], level: int, source_rtol: float = 0.0
     ) -> Generator[None, None, Frame]:
         """The picture of the query at a level.
 
         Args:
             slices: one for each plane.
             level: of the finest of them that is not finer than the others.
-            rtol: of the source's sample, if it has to be taken.
+            source_rtol: of the source's sample, if it has to be taken.
         """
-        query, solver, spectrum = self._query, self.solver, self._prepared.spectrum
+        query, solver, spectrum = self._query, self.solver, self._context.spectrum
         source, barycentroid = self._places()
-        exact_points = rtol == 0.0 or self.has_exact_points
+        exact_points = source_rtol == 0.0 or self._has_exact_points
         potential = query.quantity == "potential"
         # The source is looked at also where it does not count: it may lie outside.
-        measured_from = yield from self._image(source, rtol)
+        measured_from = yield from self._image(source, source_rtol)
         origin = solver.boundary.centre if potential else measured_from
         lowest = 0.0
         if potential:
-            lowest = float(np.linalg.norm((yield from self._image(barycentroid, rtol)) - origin))
+            lowest = float(np.linalg.norm((yield from self._image(barycentroid, source_rtol)) - origin))
+        scale = solver.boundary.scale
         drawn = tuple(
-            Slice(
-                plane,
-                one.points,
-                one.triangles,
-                one.cloud.distances(solver.boundary.scale, origin),
-                one.outline,
-            )
-            for plane, one in zip(self._planes, slices, strict=True)
+            one.values(plane, scale, origin) for plane, one in zip(self._planes, slices, strict=True)
         )
         yield
-        highest = self._sampled.body.farthest(solver.boundary.scale, origin)
-        of_source = 0.0 if exact_points or potential else rtol
-        sampled_within = (
-            ERROR_SHARE_OF_AN_END * (of_source + max(one.rtol for one in slices)) if slices else 0.0
-        )
+        highest = self._samples.boundary.farthest(scale, origin)
+        of_source = 0.0 if exact_points or potential else source_rtol
+        sampled_within = error_bound(of_source, max(one.rtol for one in slices)) if slices else 0.0
         frame = Frame(
-            shape=self._prepared.shape,
+            shape=self._context.shape,
             query=query,
             slices=drawn,
             level=level,
-            exact=all(one.final for one in slices) and self.settled and exact_points,
+            exact=all(one.final for one in slices) and self._knows_barycentroid and exact_points,
             error=sampled_within * highest + PROBE_SAFETY * max(map(self._probed, slices), default=0.0),
             source=np.array(source),
             barycentroid=np.array(barycentroid),
             value_range=(lowest, highest),
             title=f"Potential U ({self._description})" if potential else self._description,
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
-            remarks=self._sampled.remarks,
+            remarks=self._samples.remarks,
         )
-        return _frozen(frame)
+        return _frozen(frame if self._context.preview is None else self._as_preview(frame))
+
+    def _as_preview(self, frame: Frame) -> Frame:
+        """The frame with the error of what it was made from."""
+        share, largest = self._context.preview_error(self.solver)
+        title = f"{frame.title}; preview (error about {percentage(share)})"
+        return replace(frame, exact=False, error=frame.error + share * largest, preview=share, title=title)
 
     def _places(self) -> tuple[Point, Point]:
         """The source and the barycentroid."""
-        barycentroid = self._prepared.barycentroid(self._query)
+        barycentroid = self._context.barycentroid(self._query)
         return (barycentroid if self._query.source is None else self._query.source), barycentroid
 
     @property
@@ -127,7 +149,7 @@ class FrameBuilder:
         return (source, barycentroid) if self._query.quantity == "potential" else (source,)
 
     def _image(self, point: Point, rtol: float) -> Generator[None, None, Floats]:
-        return (yield from self._sampled.row_steps(point, rtol)) * self.solver.boundary.scale
+        return (yield from self._samples.row_steps(point, rtol)) * self.solver.boundary.scale
 
     def _probed(self, one: SampledSlice) -> float:
         return float(np.sqrt(squares_of(one.probed_error, self.solver.boundary.scale, 0.0).max(initial=0.0)))

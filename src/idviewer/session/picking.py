@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from idviewer.core import Mesh, Polygon, Shape
 from idviewer.core.arrays import Floats
-from idviewer.core.shapes.rays import Ray, crossings, middle_of_first_chord
-from idviewer.session.state import FLAT, Frame, Slice
+from idviewer.core.sampling import POLYGON_PLANE, SliceValues
+from idviewer.core.shapes import Ray, crossings, middle_of_first_chord
+from idviewer.session.state import Frame
 
 _LEFT, _RIGHT, _BELOW, _ABOVE = np.array([1, 2, 4, 8], np.uint8)
 Target = Literal["slice-or-body", "surface", "chord"]
@@ -52,7 +53,7 @@ def pick(shape: Shape, picker: FramePicker | None, ray: Ray, target: Target) -> 
     polygon it is the point under the mouse, whatever the target; None outside.
     """
     if isinstance(shape, Polygon):
-        distance = ray.meets(FLAT)
+        distance = ray.meets(POLYGON_PLANE)
         if distance is None or not shape.contains((point := ray.at(distance))[None, :2])[0]:
             return None
         return point * [1.0, 1.0, 0.0]
@@ -70,19 +71,19 @@ def pick(shape: Shape, picker: FramePicker | None, ray: Ray, target: Target) -> 
 class _Locator:
     """Interpolates a slice's values at points of its plane."""
 
-    def __init__(self, slice_: Slice) -> None:
+    def __init__(self, slice_: SliceValues) -> None:
         self.slice = slice_
 
     @cached_property
-    def _flat(self) -> Floats:
+    def _in_plane(self) -> Floats:
         """(2, p) the slice's points in the plane's basis."""
         return self.slice.plane.basis @ self.slice.points.T
 
     def value_at(self, point: Floats) -> float | None:
         """The value at a point of the plane; None outside the section."""
         at = self.slice.plane.basis @ point
-        triangles = _around(at, self._flat, self.slice.triangles)
-        (ax, bx, cx), (ay, by, cy) = self._flat[:, triangles.T] - at[:, None, None]
+        triangles = _around(at, self._in_plane, self.slice.triangles)
+        (ax, bx, cx), (ay, by, cy) = self._in_plane[:, triangles.T] - at[:, None, None]
         weights = np.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
         total = weights.sum(axis=0)
         inside = np.flatnonzero((weights >= 0.0).all(axis=0) & (total > 0.0))

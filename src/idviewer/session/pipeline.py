@@ -5,24 +5,25 @@ from __future__ import annotations
 from collections.abc import Generator, Hashable
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
-from typing import TypeVar
 
 import numpy as np
 
-from idviewer.core import Distance, Polygon, Shape, Spectrum, read_shape
+from idviewer.core import Distance, Polygon, Shape, ShapeError, Spectrum, read_shape
 from idviewer.core.interior import solver_steps
 from idviewer.core.memory import release_free_memory
-from idviewer.core.sampling.plane_samples import PlaneSamples
-from idviewer.core.spectrum.memory_estimate import check_room
+from idviewer.core.sampling import SourceError
+from idviewer.core.spectrum import check_room
+from idviewer.core.steps import Resumable, map_steps
 from idviewer.core.threads import few_threads, small_products
-from idviewer.session.cached_view import default_plane
-from idviewer.session.eigenpair_source import REFINING, CacheHit, EigenpairSource
-from idviewer.session.frame_builder import FrameBuilder
+from idviewer.session.cached_view import CachedView
+from idviewer.session.eigenpair_source import READING, REFINING, EigenpairSource
+from idviewer.session.frame_builder import SEARCHING, FrameBuilder
 from idviewer.session.kernels import Kernels
-from idviewer.session.previews import Previews
-from idviewer.session.progress import with_progress
-from idviewer.session.shape_context import SOURCE, ShapeContext
+from idviewer.session.previews import PreviewSource
+from idviewer.session.progress import PREPARING_SLICES, with_progress
+from idviewer.session.shape_context import ShapeContext
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
@@ -37,14 +38,15 @@ from idviewer.session.state import (
     Ready,
     Request,
     Result,
+    default_plane,
 )
 
 Results = Generator[Result | None, None, None]
-Made = TypeVar("Made")
+Cached = tuple[Spectrum | None, CachedView]
+"""What is kept of a shape from earlier runs: the eigenpairs asked for, and its first view."""
 
-SEARCHING = "Finding the barycentroid"
-PATIENCE = 0.3
-"""Seconds for which a polygon's progress is not told."""
+QUIET_SECONDS = 0.3
+"""For which a polygon's progress is not told."""
 
 
 class Pipeline:
@@ -53,19 +55,24 @@ class Pipeline:
     Half-done preparation of a shape is kept when a newer query arrives, so moving a plane meanwhile does
     not start it anew. One thread at a time may use a pipeline.
 
+    A shape goes through `ShapeContext` (what is known of it) and `FrameBuilder` (a query's frames); while
+    its context is being prepared, that of its preview goes the same way.
+
     Args:
         cache: where eigenpairs are kept from one run of the program to the next; None for nowhere.
         previews: whether frames of a large mesh begin with previews, for somebody who looks on.
     """
 
     def __init__(self, cache: SpectrumCache | None = None, previews: bool = False) -> None:
+        self._cache = cache
         self._kernels = Kernels()
         self._eigenpairs = EigenpairSource(cache)
-        self._previews = Previews() if previews else None
-        self._recalled: tuple[Hashable, CacheHit] | None = None
-        self._prepared: ShapeContext | None = None
-        self._preparing: tuple[Shape, Hashable, Generator[Progress, None, ShapeContext]] | None = None
-        self._told: tuple[ShapeContext, int] | None = None
+        self._previews = PreviewSource() if previews else None
+        self._looked_up: tuple[Hashable, Cached] | None = None
+        self._context: ShapeContext | None = None
+        self._view: CachedView | None = None
+        self._preparing: Resumable[Progress, ShapeContext] = Resumable()
+        self._last_reported: tuple[ShapeContext, int] | None = None
 
     def results(self, request: Request) -> Results:
         """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
@@ -78,144 +85,157 @@ class Pipeline:
                     yield Opened(shape, request.path)
                 case FrameRequest():
                     with few_threads(len(request.shape.vertices), len(request.shape.facets)):
-                        yield from _patiently(request.shape, self._frames(request))
+                        yield from _throttled(request.shape, self._frames(request))
                 case DropRequest():
-                    self._preparing = self._recalled = None
-                    self._kernels.drop()
-                    if self._previews is not None:
-                        self._previews.drop()
-                    if self._prepared is not None:
-                        self._prepared.forget_search()
+                    self._forget_half_done()
         except (
             ValueError,
             OSError,
             MemoryError,
             np.linalg.LinAlgError,
         ) as error:  # a ShapeError is a ValueError
-            self._preparing = None
+            self._preparing.forget()
             yield Failure(error)
 
+    def _forget_half_done(self) -> None:
+        self._looked_up = None
+        self._preparing.forget()
+        self._kernels.forget_half_done()
+        if self._previews is not None:
+            self._previews.forget_half_done()
+        if self._context is not None:
+            self._context.forget_half_done()
+
     def _frames(self, request: FrameRequest) -> Results:
-        query = request.query
-        prepared = self._prepared
-        if (
-            prepared is None
-            or prepared.shape is not request.shape
-            or prepared.lacks_eigenpairs(query.distance)
-        ):
-            recalled = yield from self._recall(request)
-            if recalled.spectrum is None and self._previews is not None:
-                yield from self._kernels.steps(query.coordinates, request.shape)
-                yield from self._previews.picture_steps(request.shape, query)
-            prepared = yield from self._prepare(request, recalled)
-            self._recalled = None
-            if self._previews is not None:
-                self._previews.forget()
-        if prepared.opened is None:  # otherwise there is something to show first
-            # Others than those it was prepared with.
-            yield from self._kernels.steps(query.coordinates, prepared.shape)
-        yield from with_progress(_stage(query.distance), prepared.basis_steps(query))
-        solver = prepared.sampled(query).solver
-        modes = len(solver.spectrum.values) if query.distance.spectral else 0
-        if self._told != (prepared, modes):
-            self._told = (prepared, modes)
-            place = np.array(prepared.barycentroid(query))
-            yield Ready(request.shape, modes, place, plane=prepared.opened)
-            if prepared.opened is not None and query.planes == (default_plane(request.shape),):
-                # Who gets to know the barycentroid asks for the plane through it next, and that is there.
-                yield from self._refined(prepared, replace(query, planes=(prepared.opened,)))
-        yield from self._refined(prepared, query)
-        yield from self._keep_opening(prepared, query)
+        shape, query, context = request.shape, request.query, self._context
+        if context is None or context.shape is not shape or context.lacks_eigenpairs(query.distance):
+            cached = yield from self._look_up_steps(shape, query)
+            if cached[0] is None and self._previews is not None:
+                yield from self._preview_frames(self._previews, shape, query)
+            context = yield from self._prepare_steps(request, cached)
+        yield from self._answer(context, query, self._view)
+        yield from self._keep_view_steps(context, query)
         # For slices to come, which somebody now has time to wait for.
-        yield from self._kernels.steps(query.coordinates, request.shape)
-        yield from with_progress("Preparing slices", prepared.sampled(query).sampler.prepare_steps(True))
+        yield from self._kernels.steps(query.coordinates, shape)
+        completing = context.samples(query).sampler.prepare_steps(completely=True)
+        yield from with_progress(PREPARING_SLICES, completing)
 
-    def _refined(self, prepared: ShapeContext, query: Query) -> Results:
-        """The frames of a query whose shape is prepared."""
-        framing = FrameBuilder(prepared, query)
-        if not framing.is_there:
-            yield from self._kernels.steps(query.coordinates, prepared.shape)
-        samples = yield from with_progress("Preparing slices", framing.prepare_steps())
+    def _preview_frames(self, previews: PreviewSource, shape: Shape, query: Query) -> Results:
+        """What a preview shows; nothing where there is none, or where it has no answer."""
+        yield from self._kernels.steps(query.coordinates, shape)
+        try:
+            with small_products():
+                context = yield from previews.context_steps(shape, query)
+                if context is not None:
+                    yield from self._answer(context, query)
+        except (SourceError, ShapeError, np.linalg.LinAlgError):
+            return  # the mesh itself will answer, or tell what is wrong
+
+    def _answer(self, context: ShapeContext, query: Query, view: CachedView | None = None) -> Results:
+        """The frames of a query, and before them, where it is news, that the shape is ready."""
+        opened = None if view is None else view.plane
+        if opened is None:  # otherwise there is something to show first
+            # Others than those it was prepared with.
+            yield from self._kernels.steps(query.coordinates, context.shape)
+        yield from with_progress(_stage(query.distance), context.basis_steps(query))
+        solver = context.samples(query).solver
+        modes = len(solver.spectrum.values) if query.distance.spectral else 0
+        if self._last_reported != (context, modes):
+            self._last_reported = (context, modes)
+            place = np.array(context.barycentroid(query))
+            yield Ready(context.shape, modes, place, preview=context.preview is not None, plane=opened)
+            if opened is not None and query.planes == (default_plane(context.shape),):
+                # Who gets to know the barycentroid asks for the plane through it next, and that is there.
+                yield from self._coarse_to_fine(context, replace(query, planes=(opened,)))
+        yield from self._coarse_to_fine(context, query)
+
+    def _coarse_to_fine(self, context: ShapeContext, query: Query) -> Results:
+        """The frames of a query whose basis is there."""
+        builder = FrameBuilder(context, query)
+        if not builder.is_there:
+            yield from self._kernels.steps(query.coordinates, context.shape)
+        samples = yield from with_progress(PREPARING_SLICES, builder.prepare_steps())
         with small_products():
-            yield from self._eigenpairs.kept_after(_coarse_to_fine(prepared, framing, samples))
+            yield from self._eigenpairs.with_deferred_writes(builder.coarse_to_fine(samples))
 
-    def _keep_opening(self, prepared: ShapeContext, query: Query) -> Generator[None, None, None]:
-        """Writes what a first view shows for the next run of the program."""
-        spectrum = prepared.spectrum
-        opening = prepared.opening(query)
-        if opening is not None and spectrum is not None:
-            yield from self._eigenpairs.keep_opening_steps(prepared.shape, spectrum, query, opening)
-
-    def _recall(self, request: FrameRequest) -> Generator[Progress, None, CacheHit]:
+    def _look_up_steps(self, shape: Shape, query: Query) -> Generator[Progress, None, Cached]:
         """What is kept of a shape from an earlier run; looked for once."""
-        shape, query = request.shape, request.query
         key = shape, query.distance, query.coordinates
-        if self._recalled is None or self._recalled[0] != key:
-            self._recalled = key, (yield from self._eigenpairs.recall_steps(shape, query))
-        return self._recalled[1]
+        if self._looked_up is None or self._looked_up[0] != key:
+            spectrum = yield from self._eigenpairs.look_up_steps(shape, query.distance)
+            view = CachedView(self._cache, shape)
+            if spectrum is not None:
+                complaint = yield from with_progress(READING, view.look_up_steps(spectrum, query))
+                if complaint:
+                    told = f"The view kept of this shape was sampled again: its file {complaint}."
+                    self._eigenpairs.remark(told)
+            self._looked_up = key, (spectrum, view)
+        return self._looked_up[1]
 
-    def _prepare(self, request: FrameRequest, recalled: CacheHit) -> Generator[Progress, None, ShapeContext]:
-        shape, key = request.shape, (request.query.distance.basis_key, request.query.coordinates)
-        if self._preparing is None or self._preparing[:2] != (shape, key):
-            known = self._prepared if self._prepared is not None and self._prepared.shape is shape else None
-            self._preparing = (shape, key, self._preparation(request, known, recalled))
-        steps = self._preparing[2]
-        # Not `yield from`: that would close the preparation together with this request.
-        while True:
+    def _keep_view_steps(self, context: ShapeContext, query: Query) -> Generator[None, None, None]:
+        """Write what a first view shows for the next run, unless its eigenpairs are not kept."""
+        if self._view is not None and self._eigenpairs.are_kept:
             try:
-                progress = next(steps)
-            except StopIteration as stop:
-                self._prepared, self._preparing = stop.value, None
-                return stop.value
-            yield progress
+                yield from map_steps(lambda _: None, self._view.keep_steps(context, query))
+            except OSError as error:
+                self._eigenpairs.remark_unwritten(error)
 
-    def _preparation(
-        self, request: FrameRequest, known: ShapeContext | None, recalled: CacheHit
+    def _prepare_steps(
+        self, request: FrameRequest, cached: Cached
     ) -> Generator[Progress, None, ShapeContext]:
+        """Prepare a shape, or go on with it; from then on its context is the pipeline's."""
+        query = request.query
+        key = request.shape, query.distance.basis_key, query.coordinates
+        context = yield from self._preparing.run(key, partial(self._preparation, request, cached))
+        self._context, self._view, self._looked_up = context, cached[1], None
+        if self._previews is not None:
+            self._previews.forget()
+        return context
+
+    def _preparation(self, request: FrameRequest, cached: Cached) -> Generator[Progress, None, ShapeContext]:
         """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
-        spectrum, opening = recalled
-        if opening is None:
+        spectrum, view = cached
+        if not view.is_there:
             yield from self._kernels.steps(query.coordinates, shape)
         if query.distance.spectral and spectrum is None:
-            spectrum = yield from self._computed(shape, query.distance)
+            spectrum = yield from self._compute_steps(shape, query.distance)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             release_free_memory()
-        if known is not None:
-            known.spectrum = spectrum
-            return known
+        if self._context is not None and self._context.shape is shape:
+            self._context.spectrum = spectrum
+            return self._context
         steps = solver_steps(shape, query.distance, query.coordinates, spectrum)
         solver = yield from with_progress(_stage(query.distance), steps)
-        prepared = ShapeContext(solver, self._centre(request))
-        if opening is not None:
-            prepared.restore(query, opening)
-        if not prepared.has_centre:
+        context = ShapeContext(solver, self._centre(request))
+        view.restore(context, query)
+        if context.latest_barycentroid is None:
             yield Progress(SEARCHING)
             with small_products():
-                for _ in prepared.find_barycentroid_steps(solver):
-                    yield Progress(SEARCHING)
-        return prepared
+                searching = context.find_barycentroid_steps(solver)
+                yield from map_steps(lambda _: Progress(SEARCHING), searching)
+        return context
 
     def _centre(self, request: FrameRequest) -> Point | None:
         """What stands for the barycentroid until it is found."""
-        if _holds(request.shape, request.centre):
+        if _contains(request.shape, request.centre):
             return request.centre
         return None if self._previews is None else self._previews.centre(request.shape)
 
-    def _computed(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
+    def _compute_steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
         """Eigenpairs by the solver, which is told what a preview knows of them."""
         preview = None if self._previews is None else self._previews.spectrum_of(shape)
         if preview is None:
             return (yield from self._eigenpairs.compute_steps(shape, distance))
-        guess = float(preview.values[0])
-        return (yield from self._eigenpairs.compute_steps(shape, distance, REFINING, guess))
+        estimate = float(preview.values[0])
+        return (yield from self._eigenpairs.compute_steps(shape, distance, REFINING, estimate))
 
 
-def _holds(shape: Shape, point: Point | None) -> bool:
+def _contains(shape: Shape, point: Point | None) -> bool:
     return isinstance(shape, Polygon) and point is not None and bool(shape.contains([point[:2]])[0])
 
 
-def _patiently(shape: Shape, results: Results) -> Results:
+def _throttled(shape: Shape, results: Results) -> Results:
     """Results without the progress that nobody has to wait for.
 
     A request is left for a newer one where it reports progress. A polygon takes milliseconds: one whose
@@ -224,29 +244,8 @@ def _patiently(shape: Shape, results: Results) -> Results:
     began = perf_counter()
     with closing(results):
         for result in results:
-            soon = shape.dimension == 2 and perf_counter() - began < PATIENCE
+            soon = shape.dimension == 2 and perf_counter() - began < QUIET_SECONDS
             yield None if soon and isinstance(result, Progress) else result
-
-
-def _coarse_to_fine(prepared: ShapeContext, framing: FrameBuilder, samples: list[PlaneSamples]) -> Results:
-    """The frames of a query. The first needs nothing but samples, so that a slider's drag is followed; where
-    the distance's own barycentroid is not known yet, the one shown before stands for it meanwhile. Nor does
-    the first wait for the exact sample of a new source."""
-    levels = max((one.levels for one in samples), default=1)
-    first = min((one.start for one in samples), default=0)
-    for level in range(first, levels):
-        slices = []
-        for one in samples:
-            slices.append((yield from one.level_steps(level)))
-        if level == first and not framing.has_exact_points:
-            yield (yield from framing.frame_steps(slices, level, SOURCE))
-            if level < levels - 1 and framing.settled:
-                continue
-        yield (yield from framing.frame_steps(slices, level))
-        if not framing.settled and (framing.shows_barycentroid or level == levels - 1):
-            yield Progress(SEARCHING)
-            yield from prepared.find_barycentroid_steps(framing.solver)
-            yield (yield from framing.frame_steps(slices, level))
 
 
 def _stage(distance: Distance) -> str:
@@ -263,7 +262,7 @@ def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> 
 
     Raises:
         ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
-        QueryError: the source lies outside the shape.
+        SourceError: the source lies outside the shape.
     """
     last: Frame | None = None
     for result in (pipeline or Pipeline()).results(FrameRequest(shape, query)):

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TypeVar
 
+from idviewer.core.steps import map_steps
 from idviewer.session.state import Progress
+
+PREPARING_SLICES = "Preparing slices"
 
 Made = TypeVar("Made")
 
 
 def with_progress(stage: str, steps: Generator[float | None, None, Made]) -> Generator[Progress, None, Made]:
-    """Runs steps to their end and tells of them."""
-    while True:
-        try:
-            share = next(steps)
-        except StopIteration as stop:
-            return stop.value
-        yield Progress(stage, share)
+    """Run steps to their end and tell the share done of a stage."""
+    return map_steps(lambda share: Progress(stage, share), steps)

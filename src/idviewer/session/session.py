@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from idviewer.core import Diffusion, Plane, Polygon, Shape
 from idviewer.core.distances import missing, with_defaults
-from idviewer.core.shapes.rays import Ray
-from idviewer.session.cached_view import default_plane
+from idviewer.core.shapes import Ray
 from idviewer.session.picking import FramePicker, Probe, Target, pick
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Runner, Work
@@ -27,12 +26,12 @@ from idviewer.session.state import (
     FrameRequest,
     Opened,
     OpenRequest,
-    Point,
     Progress,
     Ready,
     Request,
     Result,
     State,
+    default_plane,
 )
 
 Post = Callable[[Callable[[], None]], None]
@@ -55,11 +54,10 @@ class Session:
         busy: whether something is being computed or read.
         changed: Signal(old, new) after each change of the state.
         opened: Signal(shape, path), after `changed`; path is None for a shape handed over.
-        readied: Signal(ready), once for each shape, and again when another distance uses other modes.
-        framed: Signal(frame) for each frame to draw.
+        prepared: Signal(ready), once for each shape, and again when another distance uses other modes.
+        frame_ready: Signal(frame) for each frame to draw.
         progressed: Signal(progress) while work goes on, Signal(None) when it ends.
         failed: Signal(error) when something asked for could not be done.
-        acted: Signal(verb, arguments) for each call that a recording should hold.
     """
 
     def __init__(self, post: Post, work: Work | None = None, cache: SpectrumCache | None = None) -> None:
@@ -68,12 +66,12 @@ class Session:
         self.frame: Frame | None = None
         self.ready: Ready | None = None
         self.busy = False
-        self.changed, self.opened, self.readied, self.framed = Signal(), Signal(), Signal(), Signal()
-        self.progressed, self.failed, self.acted = Signal(), Signal(), Signal()
+        self.changed, self.opened, self.prepared = Signal(), Signal(), Signal()
+        self.frame_ready, self.progressed, self.failed = Signal(), Signal(), Signal()
         self._picker: FramePicker | None = None
-        self._opening: OpenRequest | None = None
-        self._asked: FrameRequest | None = None
-        self._forms: WeakSet[Shape] = WeakSet()
+        self._reading: OpenRequest | None = None
+        self._pending: FrameRequest | None = None
+        self._revisions: WeakSet[Shape] = WeakSet()
         """The shape that was opened, and what became of it by moving its vertices."""
         self._cancelled = False
         self._closed = False
@@ -81,13 +79,12 @@ class Session:
 
     def open(self, path: str | Path, component: int | None = None) -> None:
         """Read a shape in the compute thread and show it; on failure everything stays as it was."""
-        self.acted.emit("open", {"path": str(path), "component": component})
-        self._opening = OpenRequest(Path(path), component)
-        self._start(self._opening)
+        self._reading = OpenRequest(Path(path), component)
+        self._start(self._reading)
 
     def show(self, shape: Shape) -> None:
         """Show a shape in memory; planes, source and the distance's parameters become the defaults."""
-        self._opening = None
+        self._reading = None
         self._show(shape, None)
 
     def set(self, **fields: object) -> None:
@@ -99,7 +96,6 @@ class Session:
         new = self.state.with_(**fields)
         if new == self.state:
             return
-        self.acted.emit("set", fields)
         self._change(new)
 
     def reshape(self, vertices: ArrayLike) -> None:
@@ -121,17 +117,15 @@ class Session:
         polygon = shape.with_vertices(vertices)
         if np.array_equal(polygon.vertices, shape.vertices):
             return
-        self.acted.emit("reshape", {"vertices": polygon.vertices})
         if source is not None and not polygon.contains([source[:2]])[0]:
             source = None
-        self._forms.add(polygon)
+        self._revisions.add(polygon)
         self._change(replace(self.state, shape=polygon, query=replace(self.state.query, source=source)))
 
     def click(self, ray: Ray, target: Target = "slice-or-body") -> None:
         """Set the source where the ray meets a slice or the body; nothing happens where it misses."""
         if self.state.shape is None:
             return
-        self.acted.emit("click", {"ray": ray, "target": target})
         point = pick(self.state.shape, self._picker, ray, target)
         if point is not None:
             x, y, z = point.tolist()
@@ -143,17 +137,15 @@ class Session:
 
     def cancel(self) -> None:
         """Stop computing or reading at the next checkpoint; what is shown stays."""
-        self.acted.emit("cancel", {})
         if self.busy:
-            self._cancelled = self._opening is None
-            self._opening = None
-            self._asked = None
+            self._cancelled = self._reading is None
+            self._reading = None
+            self._pending = None
             self._runner.submit(DropRequest())
             self._finish()
 
     def resume(self) -> None:
         """Compute what the state asks for and is not there."""
-        self.acted.emit("resume", {})
         self._cancelled = False
         self._compute()
 
@@ -165,7 +157,7 @@ class Session:
     def _show(self, shape: Shape, path: Path | None) -> None:
         self.frame = self.ready = self._picker = None
         self._cancelled = False
-        self._forms = WeakSet([shape])
+        self._revisions = WeakSet([shape])
         # A plane, a source and a diffusion time mean nothing on another shape.
         distance = with_defaults(self.state.query.distance)
         if missing(distance):
@@ -190,11 +182,11 @@ class Session:
     def _compute(self) -> None:
         # While a shape is being read, its request must not be replaced; afterwards the state is computed.
         shape = self.state.shape
-        if shape is not None and self._opening is None:
+        if shape is not None and self._reading is None:
             moved = self.frame is not None and self.frame.shape is not shape
             x, y, z = self.frame.barycentroid.tolist() if self.frame is not None else (0.0, 0.0, 0.0)
-            self._asked = FrameRequest(shape, self.state.query, (x, y, z) if moved else None)
-            self._start(self._asked)
+            self._pending = FrameRequest(shape, self.state.query, (x, y, z) if moved else None)
+            self._start(self._pending)
 
     def _start(self, request: Request) -> None:
         self.busy = True
@@ -208,7 +200,7 @@ class Session:
             case Progress():
                 self.progressed.emit(result)
             case Opened():
-                self._opening = None
+                self._reading = None
                 self._show(result.shape, result.path)
             case Ready():
                 self._accept_ready(result)
@@ -217,19 +209,23 @@ class Session:
             case Failure():
                 self._fail(request, result.error)
             case Finished():
-                if request is self._asked:
+                if request is self._pending:
                     self._finish()
 
     def _awaits(self, request: Request) -> bool:
         if isinstance(request, OpenRequest):
-            return request is self._opening
+            return request is self._reading
         # A frame of an older query is still wanted: it is all there is to see during a fast drag.
-        return isinstance(request, FrameRequest) and request.shape in self._forms and self._asked is not None
+        return (
+            isinstance(request, FrameRequest)
+            and request.shape in self._revisions
+            and self._pending is not None
+        )
 
     def _accept_ready(self, ready: Ready) -> None:
         if not ready.preview:
             self.ready = ready
-            self.readied.emit(ready)
+            self.prepared.emit(ready)
         if ready.shape.dimension == 3 and self.state.query.planes == (default_plane(ready.shape),):
             # Where the user has not chosen a plane, show the one through the shape's centre.
             x, y, z = ready.barycentroid.tolist()
@@ -239,18 +235,18 @@ class Session:
     def _accept(self, frame: Frame) -> None:
         self.frame = frame
         self._picker = FramePicker(frame)
-        self.framed.emit(frame)
+        self.frame_ready.emit(frame)
 
     def _fail(self, request: Request, error: Exception) -> None:
-        if request is self._opening:
-            self._opening = None
-            self._asked = None
+        if request is self._reading:
+            self._reading = None
+            self._pending = None
             self._finish()
             self.failed.emit(error)
             if self.state.shape is not None and not self._cancelled and not self._complete():
                 self._compute()
-        elif request is self._asked:
-            self._asked = None
+        elif request is self._pending:
+            self._pending = None
             self._finish()
             self.failed.emit(error)
             self._go_back()
@@ -269,16 +265,3 @@ class Session:
     def _finish(self) -> None:
         self.busy = False
         self.progressed.emit(None)
-
-
-def point_of(values: object) -> Point:
-    """Three finite numbers as a point.
-
-    >>> point_of("0.1, 0.2, 0.3")
-    (0.1, 0.2, 0.3)
-    """
-    parts = values.split(",") if isinstance(values, str) else list(values)  # type: ignore[call-overload]
-    point = tuple(float(part) for part in parts)
-    if len(point) != 3 or not np.isfinite(point).all():
-        raise ValueError(f"a point is three finite numbers, x,y,z; got {values!r}")
-    return point

@@ -13,16 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Diffusion, Distance, Plane, Shape
+from idviewer.core.sampling import SliceValues
+from idviewer.core.shapes import AXES
 
 Quantity = Literal["distance", "potential"]
 Point = tuple[float, float, float]
-
-FLAT = Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-"""Where a polygon lies: the plane z = 0."""
-
-
-class QueryError(ValueError):
-    """A query that has no answer; one line says why."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +25,7 @@ class Query:
     """What to compute.
 
     Attributes:
-        planes: the slicing planes, each giving one slice; a polygon has one slice, in `FLAT`, in any case.
+        planes: the slicing planes, each giving one slice; a polygon has one slice, in z = 0, in any case.
         source: where distances are measured from, with z = 0 in a polygon; None stands for the barycentroid.
         distance: the boundary distance that is carried inside.
         quantity: "distance" from the source, or the barycentroid's "potential" U.
@@ -90,27 +85,6 @@ class State:
 
 
 @dataclass(frozen=True)
-class Slice:
-    """One plane's coloured section.
-
-    Attributes:
-        plane: the plane it lies in.
-        points: (p, 3) positions on the plane; empty where the plane misses the body.
-        triangles: (t, 3) indices into points, facing along the plane's normal.
-        values: (p,) the frame's quantity at the points.
-        outline: index arrays into points, one closed loop each (the first index is not repeated).
-
-    Of a polygon, which is one slice in `FLAT`, all points have z = 0.
-    """
-
-    plane: Plane
-    points: NDArray[np.float64]
-    triangles: NDArray[np.int32]
-    values: NDArray[np.float64]
-    outline: tuple[NDArray[np.int32], ...]
-
-
-@dataclass(frozen=True)
 class Frame:
     """A computed picture that describes itself; the view draws what the frame says.
 
@@ -136,7 +110,7 @@ class Frame:
 
     shape: Shape
     query: Query
-    slices: tuple[Slice, ...]
+    slices: tuple[SliceValues, ...]
     level: int
     exact: bool
     error: float
@@ -222,3 +196,13 @@ class DropRequest:
 
 Request = OpenRequest | FrameRequest | DropRequest
 Result = Frame | Progress | Opened | Ready | Failure | Finished
+
+
+def default_plane(shape: Shape) -> Plane:
+    """The plane through the middle of a shape's bounding box, across its shortest side: the broadest view.
+
+    Its normal points to where shapes are looked at from: -y is the front of one that stands on z.
+    """
+    axis = list(AXES)[int(np.argmin(np.ptp(shape.bounds, axis=0)))]
+    plane = Plane.along(axis, 0.5, shape.bounds)
+    return Plane(plane.origin, (0.0, -1.0, 0.0)) if axis == "y" else plane

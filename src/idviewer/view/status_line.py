@@ -9,8 +9,8 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QStatusBar, QWidget
 
 from idviewer.core import Shape
+from idviewer.session import describe_preview
 from idviewer.session.picking import Probe
-from idviewer.session.previews import in_words as in_words_of_preview
 from idviewer.session.state import Frame, Progress, Ready
 from idviewer.view.flat import is_flat
 
@@ -98,7 +98,7 @@ class StatusLine(QStatusBar):
 
     def _tell_preview(self, refining: bool) -> None:
         self.preview.setVisible(self._preview is not None)
-        words = "" if self._preview is None else in_words_of_preview(self._preview)
+        words = "" if self._preview is None else describe_preview(self._preview)
         self.preview.setText(f"{words}; refining" if words and refining else words)
 
     def show_progress(self, progress: Progress | None) -> None:

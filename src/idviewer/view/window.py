@@ -12,10 +12,11 @@ from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplicat
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
 from idviewer.core import DistanceError, MeshError, Shape, ShapeError, sample_names, sample_path
+from idviewer.core.sampling import SourceError
 from idviewer.core.shapes import Ray
 from idviewer.session.planes import PlaneCommands
 from idviewer.session.session import Session
-from idviewer.session.state import Frame, Progress, QueryError, State
+from idviewer.session.state import Frame, Progress, State
 from idviewer.view import cache_menu as clearing
 from idviewer.view import dialogs, images
 from idviewer.view.dialogs import PictureRequest
@@ -63,11 +64,11 @@ class MainWindow(QMainWindow):
         self.viewport.dragged.connect(self._planes.drag_to)
         self._connections: list[tuple[Any, Callable[..., None]]] = [
             (session.changed, self._on_changed),
-            (session.framed, self._on_framed),
+            (session.frame_ready, self._on_framed),
             (session.failed, self.on_failed),
             (session.progressed, self.status.show_progress),
             (session.opened, self._on_opened),
-            (session.readied, self.status.show_ready),
+            (session.prepared, self.status.show_ready),
         ]
         for signal, slot in self._connections:
             signal.connect(slot)
@@ -152,7 +153,7 @@ class MainWindow(QMainWindow):
 
     def on_failed(self, error: BaseException) -> None:
         """One line for the user; for the log the trace too, where the error is ours and not the input's."""
-        expected = isinstance(error, ShapeError | QueryError | DistanceError | OSError)
+        expected = isinstance(error, ShapeError | SourceError | DistanceError | OSError)
         LOG.error("%s", error, exc_info=None if expected else error)
         path = self._asked
         if isinstance(error, MeshError) and error.components and path is not None:

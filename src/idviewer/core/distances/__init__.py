@@ -25,6 +25,7 @@ from idviewer.core.distances.registry import (
     values_of,
     with_defaults,
 )
+from idviewer.core.distances.spectral import percentage
 from idviewer.core.distances.spectral_filter import SpectralFilter
 
 __all__ = [
@@ -51,6 +52,7 @@ __all__ = [
     "distance_from",
     "missing",
     "parameters_of",
+    "percentage",
     "register_distance",
     "values_of",
     "with_defaults",

@@ -14,6 +14,7 @@ from idviewer.core.distances.registry import Basis, Distance, Steps, register_di
 from idviewer.core.distances.spectral import percentage
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
+from idviewer.core.steps import map_steps
 
 ALL_PAIRS, USUAL = 1000, 300
 """Vertices up to which all pairs are taken, and the number of landmarks beyond."""
@@ -68,13 +69,7 @@ class Geodesic(Distance):
         wanted = self.landmarks or (count if count <= ALL_PAIRS else USUAL)
         yield 0.0
         walk = landmark_steps(shape, Geodesics(shape, self.method), wanted)
-        while True:
-            try:
-                share = next(walk)
-            except StopIteration as stop:
-                chosen, distances = stop.value
-                break
-            yield 0.9 * share
+        chosen, distances = yield from map_steps(lambda share: 0.9 * share, walk)
         among = distances[chosen]
         distances[chosen] = 0.5 * (among + among.T)  # the heat method is not quite symmetric
         negligible = ROUNDING if len(chosen) == count else NOISE

@@ -20,6 +20,7 @@ from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.shapes.simplification import Simplified, simplification_steps
 from idviewer.core.spectrum.eigen_solver import Spectrum, eigenpair_steps
+from idviewer.core.steps import map_steps
 
 Made = TypeVar("Made")
 
@@ -204,9 +205,4 @@ def _below(spectrum: Spectrum, bound: float) -> Spectrum:
 def _with_stage(
     stage: str, steps: Generator[float | None, None, Made]
 ) -> Generator[tuple[str, float | None], None, Made]:
-    while True:
-        try:
-            share = next(steps)
-        except StopIteration as stop:
-            return stop.value
-        yield stage, share
+    return map_steps(lambda share: (stage, share), steps)

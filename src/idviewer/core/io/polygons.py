@@ -6,10 +6,10 @@ import json
 import os
 from dataclasses import replace
 from pathlib import Path
-from uuid import uuid4
 
 from idviewer.core.arrays import Floats
 from idviewer.core.errors import ShapeError
+from idviewer.core.io.atomic_write import atomic_path
 from idviewer.core.io.files import bytes_of, told, wrong_suffix
 from idviewer.core.io.meshes import READABLE_SUFFIXES, read_mesh
 from idviewer.core.io.outlines import read_csv, read_json
@@ -101,13 +101,8 @@ def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
         text = json.dumps({"outer": loops[0], "holes": loops[1:]}) + "\n"
     else:
         text = "x,y\n" + "\n".join("".join(f"{x!r},{y!r}\n" for x, y in loop) for loop in loops)
-    beside = path.with_name(f".{path.name}.{uuid4().hex}.part")
-    try:
-        beside.write_text(text, encoding="utf-8")
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+    with atomic_path(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def _loops(path: Path, element: str | None) -> list[Floats]:

@@ -1,4 +1,4 @@
-"""The middles of a slice mesh's edges: the embedding interpolated there, and how wrong it may be."""
+"""The midpoints of a slice mesh's edges: the embedding interpolated there, and how wrong it may be."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from scipy.sparse import csr_array
 from idviewer.core.arrays import Bools, Floats, Ints
 from idviewer.core.slices.triangulation import SliceMesh
 
-STEEP = 0.15
-"""In the band the error in the middle of an edge was found to be about such a share of its ends' distance."""
+BAND_ERROR_SHARE = 0.15
+"""Error at the midpoint of an edge of the band, about, as a share of its ends' distance."""
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeMidpoints:
-    """Middles of edges.
+    """Midpoints of edges.
 
     Attributes:
         ends: (e, 2) indices into the mesh's points.
@@ -36,7 +36,7 @@ class EdgeMidpoints:
 def interpolated(
     mesh: SliceMesh, ends: Ints, rows: Floats, significant_columns: Floats, linear_outline: bool = True
 ) -> EdgeMidpoints:
-    """The basis in the middles of edges, from its values at the mesh's points.
+    """The basis at the midpoints of edges, from its values at the mesh's points.
 
     Between two nodes it is a quadratic or cubic polynomial along the lattice's line through them, as far as
     that is inside. In the band it is linear.
@@ -45,14 +45,14 @@ def interpolated(
         mesh: what the edges belong to.
         ends: (e, 2) indices into its points.
         rows: (p, k) the basis there.
-        telling: (p, c) values there that tell what an error in the rows counts.
+        significant_columns: (p, c) values there that tell what an error in the rows counts.
         linear_outline: whether rows are linear along the outline, so that interpolating there costs nothing.
     """
     lattice = ends[:, 0] >= len(mesh.section.flat)
     points, bend = _bend(mesh, ends, lattice)
     middle, steep = 0.0 - bend, bend.copy()
     middle[:, :2] += 0.5
-    steep[~lattice, :2] = STEEP, -STEEP
+    steep[~lattice, :2] = BAND_ERROR_SHARE, -BAND_ERROR_SHARE
     expected = np.linalg.norm(combined(points, steep, significant_columns), axis=1)
     if linear_outline:
         expected[_on_outline(mesh, ends)] = 0.0
@@ -107,3 +107,44 @@ def _on_outline(mesh: SliceMesh, ends: Ints) -> Bools:
     one, other = ends[both].T
     result[both] = (follower[one] == other) | (follower[other] == one)
     return result
+
+
+def midpoints_of(mesh: SliceMesh, ends: Ints) -> Floats:
+    """(e, 2) the midpoints of edges in the plane's basis."""
+    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
+    return 0.5 * (flat[ends[:, 0]] + flat[ends[:, 1]])
+
+
+def lengths(mesh: SliceMesh, ends: Ints) -> Floats:
+    """(e,) the edges' lengths in lattice constants, the longest cut to 2."""
+    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
+    return np.minimum(np.linalg.norm(flat[ends[:, 1]] - flat[ends[:, 0]], axis=1) / mesh.spacing, 2.0)
+
+
+def around(expected: Floats, sides: Ints, weight: float) -> Floats:
+    """Errors expected at edges (e,), a share of the largest among each edge's neighbours added.
+
+    Args:
+        expected: (e,) errors.
+        sides: (t, 3) the edges of each triangle.
+        weight: of the neighbours.
+    """
+    largest = expected[sides].max(axis=1)
+    nearby = np.zeros(len(expected))
+    for side in sides.T:
+        np.maximum.at(nearby, side, largest)
+    return np.where(expected > 0.0, expected + weight * nearby, 0.0)
+
+
+def worst_and_some(expected: Floats, count: int, others: int) -> Ints:
+    """Numbers of the largest errors expected, in descending order, and of some of the others.
+
+    Args:
+        expected: (e,) errors.
+        count: how many to choose.
+        others: of these, how many among the smaller ones.
+    """
+    inexact = int((expected > 0.0).sum())
+    order = np.argsort(-expected, kind="stable")[:inexact]
+    worst, rest = order[: count - others], order[count - others :]
+    return np.concatenate([worst, rest[:: max(1, -(-len(rest) // others))]])

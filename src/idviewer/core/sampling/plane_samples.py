@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
-from idviewer.core.sampling.edge_midpoints import EdgeMidpoints, interpolated
+from idviewer.core.sampling.edge_midpoints import (
+    EdgeMidpoints,
+    around,
+    interpolated,
+    lengths,
+    midpoints_of,
+    worst_and_some,
+)
 from idviewer.core.sampling.point_norms import PointNorms
 from idviewer.core.sampling.sample_store import SampleStore
-from idviewer.core.sampling.sampler import COARSE, FINE, Sampler
+from idviewer.core.sampling.sampled_slice import SampledSlice
+from idviewer.core.sampling.sampler import Sampler
+from idviewer.core.sampling.settings import SamplingSettings
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.polygon import Polygon
@@ -21,58 +31,12 @@ from idviewer.core.shapes.shape import Shape
 from idviewer.core.slices.mesh_sections import Section, section
 from idviewer.core.slices.polygon_sections import polygon_section
 from idviewer.core.slices.triangulation import STEPS, SliceMesh, edges_of, slice_mesh, spacing_for, split
-from idviewer.core.steps import without_shares
+from idviewer.core.steps import Resumable, without_shares
 
 Ints32 = NDArray[np.int32]
 
-COARSEST = 400
-"""Lattice nodes of the first frame of a moved plane."""
-
-LEVELS = 3
-"""Levels with a lattice of their own, each half as wide as the one before."""
-
-EXTRA = 320
-"""Middles of edges sampled for the first frame besides, where interpolating would be worst."""
-
-CHECKED = 30
-"""Of these, those taken at random among the others: they tell what interpolating costs elsewhere."""
-
-NEIGHBOURS = 0.2
-"""How much the error expected at an edge's neighbours counts where edges are chosen."""
-
-NODE_BITS = 24
+NODE_NUMBER_BITS = 24
 """Enough to number the points sampled."""
-
-LONGEST = 0.6
-"""Edges of a polygon are divided into parts of at most so many of the coarsest lattice's constants."""
-
-BAND_SHARE = 0.15
-"""Finer levels sample up to so many middles of band edges for each node."""
-
-
-@dataclass(frozen=True, eq=False)
-class SampledSlice:
-    """A triangulated section with the distance's basis at its points.
-
-    Attributes:
-        points: (p, 3).
-        triangles: (t, 3).
-        outline: loops of indices into points.
-        cloud: the basis at the points.
-        probed_error: (q, k) sampled minus interpolated basis at a few points; empty where every row is
-            sampled.
-        rtol: tolerance of the samples, in largest distances on the shape; 0 where they are exact.
-        final: whether there is no finer level.
-    """
-
-    points: Floats
-    triangles: NDArray[np.int32]
-    outline: tuple[NDArray[np.int32], ...]
-    cloud: PointNorms
-    probed_error: Floats
-    rtol: float
-    final: bool
-
 
 Steps = Generator[None, None, SampledSlice]
 
@@ -88,16 +52,20 @@ class PlaneSamples:
 
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
-        self.section, self._spacing = _section(sampler.solver.boundary.full_shape, plane)
+        self._settings = sampler.settings
+        self.section, self._spacing = _section(sampler.solver.boundary.full_shape, plane, self._settings)
         shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
         self._outline_rows = sampler.solver.boundary.rows_between(self.section.edges, shares)
-        self._lattices = next((n for n in range(1, LEVELS) if COARSEST * 4**n > finest), LEVELS)
+        self._lattices = next(
+            (n for n in range(1, self._settings.lattices) if self._settings.coarsest_nodes * 4**n > finest),
+            self._settings.lattices,
+        )
         self.levels = self._lattices if sampler.exact_always else self._lattices + 1
         self._linear = sampler.solver.coordinates.linear_on_boundary
         self._outlined = self._linear
         self._kept = SampleStore(0.0, self._outline_rows.shape[1])
         self._done: tuple[int, SampledSlice] | None = None
-        self._making: tuple[int, Steps] | None = None
+        self._making: Resumable[None, SampledSlice] = Resumable()
 
     @property
     def start(self) -> int:
@@ -120,37 +88,27 @@ class PlaneSamples:
         """
         level = min(level, self.levels - 1)
         while self._done is None or self._done[0] < level:
-            if self._making is None or self._making[0] != level:
-                self._making = level, self._make(level)
-            try:
-                next(self._making[1])
-            except StopIteration as stop:
-                self._done, self._making = (level, stop.value), None
-                break
-            except Exception:
-                self._making = None
-                raise
-            yield
-        assert self._done is not None
+            self._done = level, (yield from self._making.run(level, partial(self._make, level)))
         return self._done[1]
 
     def _make(self, level: int) -> Steps:
         yield from self._outline()
         lattice = min(level, self._lattices - 1)
-        exact = level == self.levels - 1
+        last = level == self.levels - 1
         mesh = slice_mesh(self.section, self._spacing / 2**lattice)
         yield
-        rtol = 0.0 if exact else self._sampler.tolerance(COARSE if level < 2 else FINE, self._outline_rows)
+        share = self._settings.coarse_rtol if level < 2 else self._settings.fine_rtol
+        rtol = self._settings.final_rtol if last else self._sampler.tolerance(share, self._outline_rows)
         if rtol != self._kept.rtol:
             self._kept = SampleStore(rtol, self._outline_rows.shape[1])
         inner = yield from self._rows_at(mesh.nodes, lattice)
         rows = np.concatenate([self._outline_rows, inner])
         yield
-        if level == 0 and not exact:
-            return (yield from self._refined(mesh, rows))
-        made = yield from self._with_band(mesh, rows, lattice, exact)
-        if exact:
-            self._kept = SampleStore(0.0, rows.shape[1])
+        if level == 0 and not last:
+            return (yield from self._with_midpoints(mesh, rows))
+        made = yield from self._with_band(mesh, rows, lattice, last)
+        if last:
+            self._kept = SampleStore(rtol, rows.shape[1])
         return made
 
     def _outline(self) -> Generator[None, None, None]:
@@ -163,7 +121,7 @@ class PlaneSamples:
     def _rows_at(self, nodes: Ints, level: int) -> Generator[None, None, Floats]:
         """The basis at lattice nodes of a level, sampling those that have not been."""
         points = nodes * (self._spacing / 2**level)
-        return (yield from self._rows_of(_key(nodes, level), points))
+        return (yield from self._rows_of(_key(nodes, self._settings.lattices - level), points))
 
     def _rows_of(self, keys: Ints, points: Floats) -> Generator[None, None, Floats]:
         """The basis at points (p, 2) of the plane, sampling those whose keys are not known."""
@@ -173,51 +131,57 @@ class PlaneSamples:
         return self._kept.rows(keys)
 
     def _rows_between(
-        self, mesh: SliceMesh, middles: EdgeMidpoints, level: int
+        self, mesh: SliceMesh, midpoints: EdgeMidpoints, level: int
     ) -> Generator[None, None, Floats]:
-        """The basis sampled in middles of edges; where rounding puts one outside, what was interpolated."""
-        keys = self._keys_between(mesh, middles.ends, level)
-        rows = yield from self._rows_of(keys, _middle(mesh, middles.ends))
-        return np.where(np.isfinite(rows), rows, middles.rows)
+        """The basis sampled in midpoints of edges; where rounding puts one outside, what was interpolated."""
+        keys = self._keys_between(mesh, midpoints.ends, level)
+        rows = yield from self._rows_of(keys, midpoints_of(mesh, midpoints.ends))
+        return np.where(np.isfinite(rows), rows, midpoints.rows)
 
     def _keys_between(self, mesh: SliceMesh, ends: Ints, level: int) -> Ints:
-        """Numbers of the middles of edges: of lattice edges those of nodes, of the others negative ones."""
-        count = len(mesh.section.flat)
+        """Numbers of the midpoints of edges: of lattice edges those of nodes, of the others negative ones."""
+        count, finer = len(mesh.section.flat), self._settings.lattices - level
         lattice, chord = ends[:, 0] >= count, ends[:, 1] < count
         keys = -1 - (ends @ np.array([count, 1]))
         across = ~(lattice | chord)
-        heads = self._kept.numbers(_key(mesh.nodes[ends[across, 1] - count], level))
-        keys[across] = -1 - count**2 - (ends[across, 0] << NODE_BITS | heads)
-        keys[lattice] = _key(mesh.nodes[ends[lattice] - count].sum(axis=1), level + 1)
+        heads = self._kept.numbers(_key(mesh.nodes[ends[across, 1] - count], finer))
+        keys[across] = -1 - count**2 - (ends[across, 0] << NODE_NUMBER_BITS | heads)
+        keys[lattice] = _key(mesh.nodes[ends[lattice] - count].sum(axis=1), finer - 1)
         return keys
 
     def _sample(self, points: Floats) -> Generator[None, None, Floats]:
         return without_shares(self._sampler.sample_steps(points, self._kept.rtol))
 
-    def _refined(self, mesh: SliceMesh, rows: Floats) -> Steps:
-        """The mesh with the middles of all edges added, sampled where they matter, elsewhere interpolated."""
+    def _with_midpoints(self, mesh: SliceMesh, rows: Floats) -> Steps:
+        """Add the midpoints of all edges, sampled where they matter, elsewhere interpolated."""
         ends, sides = edges_of(len(rows), mesh.triangles)
-        middles = interpolated(mesh, ends, rows, self._sampler.significant_columns(rows), self._linear)
+        midpoints = interpolated(mesh, ends, rows, self._sampler.significant_columns(rows), self._linear)
         yield
-        chosen = _worst_and_some(_around(middles.expected, sides) * _lengths(mesh, ends))
-        sampled = yield from self._rows_between(mesh, middles.at(chosen), 0)
+        nearby = around(midpoints.expected, sides, self._settings.neighbour_weight)
+        extra, checked = self._settings.extra_midpoints, self._settings.checked_midpoints
+        chosen = worst_and_some(nearby * lengths(mesh, ends), extra, checked)
+        sampled = yield from self._rows_between(mesh, midpoints.at(chosen), 0)
         # Half of those sampled were the worst: the other half and the random ones tell of what is left.
-        errors = (sampled - middles.rows[chosen])[(EXTRA - CHECKED) // 2 :]
+        errors = (sampled - midpoints.rows[chosen])[(extra - checked) // 2 :]
         errors = errors[np.isfinite(errors).all(axis=1)]
-        middles.rows[chosen] = sampled
+        midpoints.rows[chosen] = sampled
         yield
-        return self._shown(mesh, rows, middles, split(mesh.triangles, sides + len(rows)), errors, False)
+        return self._shown(mesh, rows, midpoints, split(mesh.triangles, sides + len(rows)), errors, False)
 
     def _with_band(self, mesh: SliceMesh, rows: Floats, level: int, final: bool) -> Steps:
-        """The mesh with the middles of the steepest edges of the band added and sampled."""
+        """Add the midpoints of the steepest edges of the band, sampled."""
         in_band = (mesh.triangles < len(self._outline_rows)).any(axis=1)
         band = mesh.triangles[in_band]
         ends, sides = edges_of(len(rows), band)
         steep = np.flatnonzero(ends[:, 0] < len(self._outline_rows))
-        middles = interpolated(mesh, ends[steep], rows, self._sampler.significant_columns(rows), self._linear)
-        order = np.argsort(-middles.expected, kind="stable")[: int(BAND_SHARE * len(mesh.nodes))]
-        chosen = np.sort(order[middles.expected[order] > 0.0])
-        added = middles.at(chosen)
+        midpoints = interpolated(
+            mesh, ends[steep], rows, self._sampler.significant_columns(rows), self._linear
+        )
+        order = np.argsort(-midpoints.expected, kind="stable")[
+            : int(self._settings.band_midpoints * len(mesh.nodes))
+        ]
+        chosen = np.sort(order[midpoints.expected[order] > 0.0])
+        added = midpoints.at(chosen)
         yield
         added = replace(added, rows=(yield from self._rows_between(mesh, added, level)))
         number = np.full(len(ends), -1)
@@ -229,30 +193,31 @@ class PlaneSamples:
         self,
         mesh: SliceMesh,
         rows: Floats,
-        middles: EdgeMidpoints,
+        midpoints: EdgeMidpoints,
         triangles: Ints32,
         errors: Floats,
         final: bool,
     ) -> SampledSlice:
-        points = np.concatenate([mesh.points, self.section.lift(_middle(mesh, middles.ends))])
+        points = np.concatenate([mesh.points, self.section.lift(midpoints_of(mesh, midpoints.ends))])
         loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
-        points, triangles, rows = _with_values(points, triangles, np.concatenate([rows, middles.rows]))
+        points, triangles, rows = _with_values(points, triangles, np.concatenate([rows, midpoints.rows]))
         return SampledSlice(points, triangles, loops, PointNorms(rows), errors, self._kept.rtol, final)
 
 
-def _section(shape: Shape, plane: Plane) -> tuple[Section, float]:
+def _section(shape: Shape, plane: Plane, settings: SamplingSettings) -> tuple[Section, float]:
     """What a plane cuts out of a body, and the spacing of the coarsest lattice that fills it.
 
     Of a polygon, which lies in a plane of its own, it is all; edges are divided, because distances are not
     linear along them even where the basis is.
     """
+    nodes = settings.coarsest_nodes
     if isinstance(shape, Polygon):
-        widest = max(math.sqrt(shape.area / COARSEST), shape.perimeter / (STEPS * COARSEST))
-        cut = polygon_section(shape, LONGEST * widest)
+        widest = max(math.sqrt(shape.area / nodes), shape.perimeter / (STEPS * nodes))
+        cut = polygon_section(shape, settings.longest_part * widest)
     else:
         assert isinstance(shape, Mesh)
         cut = section(shape, plane)
-    return cut, spacing_for(cut, COARSEST)
+    return cut, spacing_for(cut, nodes)
 
 
 def _with_values(points: Floats, triangles: Ints32, rows: Floats) -> tuple[Floats, Ints32, Floats]:
@@ -264,36 +229,7 @@ def _with_values(points: Floats, triangles: Ints32, rows: Floats) -> tuple[Float
     return points[known], number[triangles[known[triangles].all(axis=1)]], rows[known]
 
 
-def _key(nodes: Ints, level: int) -> Ints:
-    """One number a node, the same at every level at which the node exists."""
-    finest = nodes * 2 ** (LEVELS - level)
+def _key(nodes: Ints, halvings: int) -> Ints:
+    """One number a node, the same at every level at which it exists: so many are finer than that of nodes."""
+    finest = nodes * 2**halvings
     return (finest[:, 0] + 2**30) * 2**31 + finest[:, 1] + 2**30
-
-
-def _middle(mesh: SliceMesh, ends: Ints) -> Floats:
-    """(e, 2) the middles of edges in the plane's basis."""
-    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
-    return 0.5 * (flat[ends[:, 0]] + flat[ends[:, 1]])
-
-
-def _lengths(mesh: SliceMesh, ends: Ints) -> Floats:
-    """(e,) the edges' lengths in lattice constants, the longest cut to 2."""
-    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
-    return np.minimum(np.linalg.norm(flat[ends[:, 1]] - flat[ends[:, 0]], axis=1) / mesh.spacing, 2.0)
-
-
-def _around(expected: Floats, sides: Ints) -> Floats:
-    """Errors expected at edges, a part of the largest among each edge's neighbours added."""
-    largest = expected[sides].max(axis=1)
-    nearby = np.zeros(len(expected))
-    for side in sides.T:
-        np.maximum.at(nearby, side, largest)
-    return np.where(expected > 0.0, expected + NEIGHBOURS * nearby, 0.0)
-
-
-def _worst_and_some(expected: Floats) -> Ints:
-    """Numbers of the largest errors expected, in descending order, and of some of the others."""
-    inexact = int((expected > 0.0).sum())
-    order = np.argsort(-expected, kind="stable")[:inexact]
-    worst, others = order[: EXTRA - CHECKED], order[EXTRA - CHECKED :]
-    return np.concatenate([worst, others[:: max(1, -(-len(others) // CHECKED))]])

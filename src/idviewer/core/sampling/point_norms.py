@@ -11,19 +11,19 @@ from idviewer.core.arrays import Floats
 
 Singles = NDArray[np.float32]
 
-CANCELLING = 1e-3
+CANCELLATION_SHARE = 1e-3
 """Squared distances below this share of the terms they are the difference of are computed directly."""
 
-FEW = 16
-"""The mean of one row in so many is near enough to the middle of all."""
+MEAN_STRIDE = 16
+"""The mean of one row in so many is near enough to the mean of all."""
 
-SINGLE = 1e-5
+SINGLE_PRECISION_SHARE = 1e-5
 """Share of the largest term that rounding to single precision may cost; ten times what it does."""
 
-NUMBERS_OF_A_PRODUCT = 8192
+PRODUCT_NUMBERS = 8192
 """So few that BLAS does not hand them to threads, which wait for each other wherever a core is taken."""
 
-ROWS_AT_A_TIME = 2048
+ROWS_PER_BLOCK = 2048
 """Small enough for the scaled rows to stay in the processor's cache."""
 
 
@@ -42,7 +42,7 @@ class PointNorms:
     def __init__(self, rows: Floats) -> None:
         self.rows = rows
         self._scale: Floats | None = None
-        self._middle = self._squares = np.empty(0)
+        self._mean = self._squares = np.empty(0)
 
     def distances(self, scale: Floats, origin: Floats | float = 0.0) -> Floats:
         """|row * scale - origin| of each row, (p,), exact to rounding.
@@ -54,21 +54,21 @@ class PointNorms:
         if len(self.rows) == 0:
             return np.empty(0)
         if self._scale is None or not np.array_equal(self._scale, scale):
-            self._scale, self._middle = scale.copy(), self.rows[::FEW].mean(axis=0) * scale
-            self._squares = squares_of(self.rows, scale, self._middle)
-        off = origin - self._middle
+            self._scale, self._mean = scale.copy(), self.rows[::MEAN_STRIDE].mean(axis=0) * scale
+            self._squares = squares_of(self.rows, scale, self._mean)
+        off = origin - self._mean
         square = float(off @ off)
-        # |x - m - off|^2 with the middle m taken out of the product.
+        # |x - m - off|^2 with the mean m taken out of the product.
         result = product(self.rows, -2.0 * scale * off)
         result += self._squares
-        result += square + 2.0 * float(self._middle @ off)
-        near = np.flatnonzero(result < CANCELLING * (square + self._squares.max()))
+        result += square + 2.0 * float(self._mean @ off)
+        near = np.flatnonzero(result < CANCELLATION_SHARE * (square + self._squares.max()))
         result[near] = squares_of(self.rows[near], scale, origin)
         return np.sqrt(result)
 
 
 class MaxNorm:
-    """The same of rows of which only the farthest is asked for.
+    """Rows of a basis of which only the one whose image is farthest is asked for.
 
     Candidates are found in single precision, their distances computed in double.
 
@@ -92,15 +92,15 @@ class MaxNorm:
         if self._last is None or self._last[0] != key:
             squares = self._squared(scale)
             apart = squares - 2.0 * product(self._singles, scale * origin)
-            candidates = np.flatnonzero(apart >= apart.max() - SINGLE * squares.max())
+            candidates = np.flatnonzero(apart >= apart.max() - SINGLE_PRECISION_SHARE * squares.max())
             largest = squares_of(self._rows[candidates], scale, origin).max()
             self._last = key, float(np.sqrt(largest))
         return self._last[1]
 
     def _squared(self, scale: Floats) -> Singles:
         if self._scale is None or not np.array_equal(self._scale, scale):
-            starts = range(0, len(self._singles), ROWS_AT_A_TIME)
-            chunks = (self._singles[start : start + ROWS_AT_A_TIME] for start in starts)
+            starts = range(0, len(self._singles), ROWS_PER_BLOCK)
+            chunks = (self._singles[start : start + ROWS_PER_BLOCK] for start in starts)
             self._squares = np.concatenate([product(chunk**2, scale**2) for chunk in chunks])
             self._scale = scale.copy()
         return self._squares
@@ -113,7 +113,7 @@ def product(rows: NDArray[Any], vector: Floats) -> NDArray[Any]:
     [2.0, 8.0]
     """
     vector = np.broadcast_to(vector, rows.shape[1:]).astype(rows.dtype)
-    step = max(1, NUMBERS_OF_A_PRODUCT // rows.shape[1])
+    step = max(1, PRODUCT_NUMBERS // rows.shape[1])
     whole = len(rows) // step * step
     result = np.empty(len(rows), dtype=rows.dtype)
     result[:whole] = (rows[:whole].reshape(-1, step, rows.shape[1]) @ vector).ravel()
@@ -124,8 +124,8 @@ def product(rows: NDArray[Any], vector: Floats) -> NDArray[Any]:
 def squares_of(rows: Floats, scale: Floats, origin: Floats | float) -> Floats:
     """|row * scale - origin|^2 of each row."""
     result = np.empty(len(rows))
-    for start in range(0, len(rows), ROWS_AT_A_TIME):
-        chunk = rows[start : start + ROWS_AT_A_TIME] * scale
+    for start in range(0, len(rows), ROWS_PER_BLOCK):
+        chunk = rows[start : start + ROWS_PER_BLOCK] * scale
         chunk -= origin
-        result[start : start + ROWS_AT_A_TIME] = np.einsum("pk,pk->p", chunk, chunk)
+        result[start : start + ROWS_PER_BLOCK] = np.einsum("pk,pk->p", chunk, chunk)
     return result

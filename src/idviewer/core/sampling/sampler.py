@@ -13,33 +13,9 @@ from idviewer.core.distances import DISTANCES, Distance, Number, parameters_of
 from idviewer.core.interior.barycentroid import Evaluate
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.memory import release_free_memory
-
-QUICK_FACES = 4000
-"""On shapes up to so large, sampling exactly takes no longer than within a tolerance."""
-
-COARSE, FINE = 2.5e-3, 3.5e-4
-"""Tolerances of samples, in largest distances on the slice."""
-
-LOOSEST = 1.9e-3
-"""A larger tolerance would take one more tree, and its memory, and save little. One serves down to `FINE`."""
-
-WIDE = 400
-"""Columns from which on the moments of clusters take more memory and time than they save."""
-
-TELLING = 0.03
-"""Columns that weigh less than this share of the heaviest do not tell where errors are large."""
-
-ENOUGH = 200
-"""So many points of an outline tell how large the distances on a slice are."""
-
-AFFORDABLE = 4e7
-"""Facets times columns up to which there is memory (a gigabyte) for the tree of the smallest tolerance."""
-
-OF_THE_BODY = 5000
-"""So many vertices tell how large they are on the whole shape."""
-
-FINEST = 2e-5
-"""The smallest tolerance there is a tree for, in largest distances on the shape."""
+from idviewer.core.sampling import settings as defaults
+from idviewer.core.sampling.settings import SamplingSettings
+from idviewer.core.steps import Resumable
 
 
 class Sampler:
@@ -47,23 +23,28 @@ class Sampler:
 
     Args:
         solver: whose basis is sampled.
+        settings: `SAMPLING` by default.
+
+    Attributes:
+        exact_always: whether tolerances save no time, so that every sample is exact.
+        ready: whether the first levels of slices can be sampled without more preparation.
+        complete: whether everything can.
     """
 
-    def __init__(self, solver: InteriorDistance) -> None:
+    def __init__(self, solver: InteriorDistance, settings: SamplingSettings | None = None) -> None:
         self.solver = solver
-        wide, small = solver.boundary.basis.shape[1] > WIDE, len(solver.shape.facets) <= QUICK_FACES
+        self.settings = defaults.SAMPLING if settings is None else settings
+        basis = solver.boundary.basis
+        wide = basis.shape[1] > self.settings.exact_columns
+        small = len(solver.shape.facets) <= self.settings.exact_facets
         self.exact_always = wide or small or not solver.interpolation.approximates
         self.ready = self.complete = self.exact_always
         common = [solver, *(solver.with_distance(kind) for kind in _common(solver))]
-        self._scales = np.stack(
-            [one.boundary.scale * np.ones(solver.boundary.basis.shape[1]) for one in common], axis=1
-        )
-        self._radii = self._radii_of(solver.boundary.basis[:: -(-len(solver.boundary.basis) // OF_THE_BODY)])
-        self._preparation = self._prepare()
-        sizes = np.abs(self._scales[:, 0]) * np.linalg.norm(
-            solver.boundary.basis[:: max(1, len(solver.boundary.basis) // 500)], axis=0
-        )
-        self._columns = np.flatnonzero(sizes >= TELLING * sizes.max())
+        self._scales = np.stack([one.boundary.scale * np.ones(basis.shape[1]) for one in common], axis=1)
+        self._radii = self._radii_of(basis[:: -(-len(basis) // self.settings.boundary_vertices)])
+        self._preparing: Resumable[float, None] = Resumable()
+        sizes = np.abs(self._scales[:, 0]) * np.linalg.norm(basis[:: max(1, len(basis) // 500)], axis=0)
+        self._columns = np.flatnonzero(sizes >= self.settings.significant_share * sizes.max())
 
     @cached_property
     def _weights(self) -> Floats:
@@ -88,15 +69,17 @@ class Sampler:
         """The potential of a solver with this basis, within a tolerance; None where that saves no time."""
         if self.exact_always or not self.ready:
             return None
-        return partial(solver.interpolation.potential_steps, rtol=FINE, weights=self._weights)
+        return partial(
+            solver.interpolation.potential_steps, rtol=self.settings.fine_rtol, weights=self._weights
+        )
 
     def tolerance(self, share: float, outline: Floats) -> float:
         """The rtol that is such a share of the distances on a slice with these rows on its outline."""
         if self.exact_always or len(outline) == 0:
             return 0.0
-        some = outline[:: -(-len(outline) // ENOUGH)]
+        some = outline[:: -(-len(outline) // self.settings.outline_points)]
         ratio = float((self._radii_of(some) / self._radii).min())
-        return float(np.clip(share * ratio, FINEST, LOOSEST))
+        return float(np.clip(share * ratio, self.settings.finest_rtol, self.settings.loosest_rtol))
 
     def prepare_steps(self, completely: bool = False) -> Generator[float, None, None]:
         """What sampling needs; goes on where it was left, yields the share done every few milliseconds.
@@ -104,27 +87,17 @@ class Sampler:
         Args:
             completely: also what only slices need whose distances are small, which takes as long again.
         """
-        if not self._has_prepared(completely):
+        if not self.ready:
             yield 0.0  # before the first step, which is long
-        while not self._has_prepared(completely):
-            try:
-                share = next(self._preparation)
-            except StopIteration:
-                return
-            except Exception:
-                self._preparation = self._prepare()
-                raise
-            yield share
-
-    def _has_prepared(self, completely: bool) -> bool:
-        return self.complete if completely else self.ready
-
-    def _prepare(self) -> Generator[float, None, None]:
-        yield from self._prepare_for(LOOSEST, FINE)
-        self.ready = True
-        yield 1.0
-        if self.solver.boundary.basis.shape[1] * len(self.solver.shape.facets) <= AFFORDABLE:
-            yield from self._prepare_for(FINEST)
+            first = self.settings.loosest_rtol, self.settings.fine_rtol
+            yield from self._preparing.run("ready", lambda: self._prepare_for(*first))
+            self.ready = True
+        affordable = (
+            self.solver.boundary.basis.shape[1] * len(self.solver.shape.facets) <= self.settings.tree_products
+        )
+        if completely and affordable and not self.complete:
+            yield 1.0
+            yield from self._preparing.run("complete", lambda: self._prepare_for(self.settings.finest_rtol))
             self.complete = True
 
     def _prepare_for(self, *tolerances: float) -> Generator[float, None, None]:

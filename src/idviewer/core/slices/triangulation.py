@@ -90,24 +90,6 @@ def spacing_for(section: Section, samples: int) -> float:
     )
 
 
-def refined(flat: Floats, triangles: NDArray[np.int32]) -> tuple[Ints, NDArray[np.int32]]:
-    """Cut each triangle into four.
-
-    Args:
-        flat: (p, d) points, of which only the number matters.
-        triangles: (t, 3).
-
-    Returns:
-        (e, 2) the two ends of each edge, whose middle becomes point p + e; and (4 t, 3) triangles.
-
-    >>> ends, triangles = refined(np.zeros((3, 2)), np.array([[0, 1, 2]], dtype=np.int32))
-    >>> ends.tolist(), len(triangles)
-    ([[0, 1], [0, 2], [1, 2]], 4)
-    """
-    ends, sides = edges_of(len(flat), triangles)
-    return ends, split(triangles, sides + len(flat))
-
-
 def edges_of(count: int, triangles: Ints32) -> tuple[Ints, Ints]:
     """The edges of triangles (t, 3) between so many points.
 

@@ -8,6 +8,7 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
+from idviewer.core.memory import bytes_in_words
 from idviewer.core.shapes.mesh import MeshError
 from idviewer.core.shapes.shape import Shape
 
@@ -84,20 +85,8 @@ def check_room(shape: Shape, room: float | None = None) -> None:
     count, room = len(shape.vertices), room_bytes() if room is None else room
     if shape.dimension == 2 or needed_bytes(count) <= room:
         return
-    need = size(needed_bytes(count))
+    need = bytes_in_words(needed_bytes(count))
     raise MeshError(
         f"{shape.name or 'the mesh'} has {count:,} vertices and would need about {need}; "
-        f"this machine has {size(room)}: simplify it to about {vertices_for(room):,} vertices"
+        f"this machine has {bytes_in_words(room)}: simplify it to about {vertices_for(room):,} vertices"
     )
-
-
-def size(count: float) -> str:
-    """Bytes in words, two digits.
-
-    >>> size(1.93e11), size(4.21e9), size(17e6)
-    ('190 GB', '4.2 GB', '17 MB')
-    """
-    power = min(3, max(1, math.floor(math.log10(max(count, 1.0) * 1.005) / 3)))
-    rounded = float(f"{count / 1e3**power:.2g}")
-    name = ("KB", "MB", "GB")[power - 1]
-    return f"{rounded:.0f} {name}" if rounded >= 10 else f"{rounded:g} {name}"

@@ -1,0 +1,130 @@
+"""Samples of one basis, kept: on planes and at points, for all distances that share it."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Generator
+from functools import cached_property
+
+import numpy as np
+
+from idviewer.core.arrays import Floats
+from idviewer.core.coordinates import Coordinates
+from idviewer.core.interior.solver import InteriorDistance
+from idviewer.core.sampling.plane_samples import PlaneSamples
+from idviewer.core.sampling.point_norms import MaxNorm
+from idviewer.core.sampling.sampled_slice import SampledSlice
+from idviewer.core.sampling.sampler import Sampler
+from idviewer.core.sampling.settings import SamplingSettings
+from idviewer.core.shapes.plane import Plane
+from idviewer.core.steps import finish
+
+Point = tuple[float, float, float]
+
+
+class SourceError(ValueError):
+    """A source that has no distances: it lies outside, or has no weights. One line says what to do."""
+
+
+class BasisSamples:
+    """Samples of one basis, on planes and at points; they serve every distance with that basis.
+
+    Args:
+        solver: whose basis is sampled.
+        nodes: about how many points of a lattice the last level of a plane may have inside; by default what
+            takes seconds.
+        settings: `SAMPLING` by default.
+    """
+
+    def __init__(
+        self, solver: InteriorDistance, nodes: int | None = None, settings: SamplingSettings | None = None
+    ) -> None:
+        self.solver = solver
+        self.sampler = Sampler(solver, settings)
+        self._settings = self.sampler.settings
+        self._nodes = self._affordable_nodes() if nodes is None else nodes
+        self._planes: OrderedDict[Plane, PlaneSamples] = OrderedDict()
+        self._points: OrderedDict[Point, Floats] = OrderedDict()
+
+    @cached_property
+    def boundary(self) -> MaxNorm:
+        """Of the basis at all vertices."""
+        return MaxNorm(self.solver.boundary.basis)
+
+    def on(self, plane: Plane) -> PlaneSamples:
+        """The samples on a plane; those of the planes used last are kept."""
+        if plane not in self._planes:
+            self._planes[plane] = PlaneSamples(self.sampler, plane, self._nodes)
+        self._planes.move_to_end(plane)
+        while len(self._planes) > self._settings.kept_planes:
+            self._planes.popitem(last=False)
+        return self._planes[plane]
+
+    def _affordable_nodes(self) -> int:
+        effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
+        visits = self._settings.facet_visits / (effort * len(self.solver.shape.facets))
+        return int(min(visits, self._settings.basis_numbers / self.solver.boundary.basis.shape[1]))
+
+    def restore(self, plane: Plane, known: SampledSlice, point: Point, row: Floats) -> None:
+        """Take samples that were taken before: the finest on a plane, and the exact row (k,) of a point."""
+        self.on(plane).restore(known)
+        self._points[point] = row
+
+    def finest(self, plane: Plane, point: Point) -> tuple[SampledSlice, Floats] | None:
+        """The finest samples on a plane and the exact row of a point, if they are there and took long."""
+        there = point in self._points and plane in self._planes and self._planes[plane].final
+        if not there or self.sampler.exact_always or self.remarks:
+            return None
+        return finish(self._planes[plane].level_steps(0)), self._points[point]
+
+    def is_exact(self, point: Point) -> bool:
+        """Whether the exact row of a point is there, or takes no time."""
+        return point in self._points or self.sampler.exact_always
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the user has to know of the samples taken so far, one sentence each."""
+        return remarks_on(self.solver.coordinates)
+
+    def row_steps(self, point: Point, rtol: float = 0.0) -> Generator[None, None, Floats]:
+        """The basis at a point, (k,), before it is scaled; exact unless rtol is given and saves time.
+
+        Raises:
+            SourceError: the point lies outside the shape, or has no weights.
+        """
+        # Until all is prepared, getting ready for a tolerance takes longer than an exact row.
+        if rtol and self.sampler.complete and not self.is_exact(point):
+            return self._row(point, rtol)
+        if point not in self._points:
+            yield
+            self._points[point] = self._row(point, 0.0)
+        self._points.move_to_end(point)
+        while len(self._points) > self._settings.kept_points:
+            self._points.popitem(last=False)
+        return self._points[point]
+
+    def _row(self, point: Point, rtol: float) -> Floats:
+        shape, coordinates = self.solver.shape, self.solver.coordinates
+        before = coordinates.unconverged
+        row = finish(self.sampler.sample_steps(np.array([point]), rtol))[0]
+        if np.isfinite(row).all():
+            return row
+        place = ", ".join(f"{value:.6g}" for value in point[: shape.dimension])
+        if coordinates.unconverged > before:
+            raise SourceError(
+                f"{coordinates.title.lower()} were not found at the source ({place}); move it a little, "
+                "or choose other coordinates"
+            )
+        raise SourceError(
+            f"the source ({place}) lies outside the {'polygon' if shape.dimension == 2 else 'mesh'}; "
+            "choose a point inside or on it"
+        )
+
+
+def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
+    """What the user has to know of the weights found so far, one sentence each."""
+    count = coordinates.unconverged
+    if count == 0:
+        return ()
+    points = "one of the points tried; it has" if count == 1 else f"{count} of the points tried; they have"
+    return (f"{coordinates.title} were not found at {points} no value",)
