@@ -32,8 +32,7 @@ class Helper:
 def helper(monkeypatch):
     """As on a machine where nothing was compiled yet."""
     helper = Helper(looks=3)
-    monkeypatch.setattr(compilation, "COLD", 0.0)
-    monkeypatch.setattr(compilation, "PATIENCE", 1e-3)
+    monkeypatch.setattr(compilation, "COMPILATION", compilation.CompilationSettings(0.0, 1e-3))
     monkeypatch.setattr(compilation, "_compiling_trees", lambda: helper)
     return helper
 
@@ -60,7 +59,7 @@ def test_the_other_process_ends_with_the_work(helper):
 
 
 def test_where_no_process_can_be_started_all_is_compiled_here(monkeypatch):
-    monkeypatch.setattr(compilation, "COLD", 0.0)
+    monkeypatch.setattr(compilation, "COMPILATION", compilation.CompilationSettings(0.0))
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     assert compilation._compiling_trees() is None
     finish(compilation.compile_steps(3))

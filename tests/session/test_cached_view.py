@@ -64,7 +64,7 @@ def copy(seen, tmp_path) -> SpectrumCache:
 
 
 def opening_of(cache: SpectrumCache) -> Path:
-    return next(path for path in cache.folder.iterdir() if path.stem.endswith(cached_view.VIEW))
+    return next(path for path in cache.folder.iterdir() if path.stem.endswith(cached_view.VIEW_STEM_END))
 
 
 def test_it_takes_no_sample(seen, monkeypatch):

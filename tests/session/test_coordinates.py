@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.session.bodies import WatchedSession, egg, few_samples  # noqa: F401
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.coordinates import maximum_entropy
-from idviewer.core.sampling import SourceError
+from idviewer.core.sampling import SourceError, settings
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.sampler import Sampler
 from idviewer.core.sampling.settings import SAMPLING
 from idviewer.core.steps import finish
-from idviewer.session import shape_context as context_module
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Frame, FrameRequest, Query
 
@@ -126,8 +127,8 @@ def test_changing_to_and_fro_samples_nothing_again(pipeline, monkeypatch):
 
 
 @pytest.mark.slow
-def test_samples_used_longest_ago_make_room(pipeline, monkeypatch):
-    monkeypatch.setattr(context_module, "KEPT_BASES", 2)
+def test_bases_used_longest_ago_are_dropped(pipeline, monkeypatch):
+    monkeypatch.setattr(settings, "SAMPLING", replace(SAMPLING, kept_bases=2))
     made = Pipeline()
     names = ("mean_value", "shepard", "mean_value", "maximum_entropy")
     for name in names:

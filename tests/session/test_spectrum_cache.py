@@ -96,7 +96,7 @@ def test_shapes_are_told_apart_by_content_not_by_name(filled, spectrum):
         assert finish(filled.lookup_steps(other, paper_cutoff)) == (None, "")
 
 
-@pytest.mark.parametrize("name", ["SOLVER_VERSION", "FORMAT"])
+@pytest.mark.parametrize("name", ["SOLVER_VERSION", "FORMAT_VERSION"])
 def test_another_version_finds_nothing(filled, monkeypatch, name):
     monkeypatch.setattr(spectrum_cache, name, 10**6)
     assert finish(filled.lookup_steps(MESH, paper_cutoff)) == (None, "")
@@ -154,7 +154,7 @@ def test_a_file_of_the_former_format_is_not_found(filled, monkeypatch):
     """Its name is made from another version of the format."""
     the_file(filled).unlink()
     with monkeypatch.context() as patch:
-        patch.setattr(spectrum_cache, "FORMAT", 1)
+        patch.setattr(spectrum_cache, "FORMAT_VERSION", 1)
         former = finish(spectrum_cache.key_steps(MESH))
     (filled.folder / f"{former}.kept").write_bytes(b"idviewer arrays 1\n")
     assert finish(filled.lookup_steps(MESH, paper_cutoff)) == (None, "")

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Generator
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
@@ -31,11 +32,22 @@ from idviewer.core.steps import finish
 
 Calls = list[Callable[[], object]]
 
-COLD = 1.0
-"""Seconds that the first kernel takes at least where it has to be compiled; from a cache it takes a tenth."""
 
-PATIENCE = 0.05
-"""Seconds between two looks at another process."""
+@dataclass(frozen=True)
+class CompilationSettings:
+    """When compiling gets help from another process.
+
+    Attributes:
+        cold_start_seconds: that the first kernel takes at least where it has to be compiled; from a cache it
+            takes a tenth.
+        poll_seconds: between two looks at the other process.
+    """
+
+    cold_start_seconds: float = 1.0
+    poll_seconds: float = 0.05
+
+
+COMPILATION = CompilationSettings()
 
 
 def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[float, None, None]:
@@ -60,11 +72,11 @@ def compile_steps(dimension: int, coordinates: str = "mean_value") -> Generator[
     try:
         for done, call in enumerate(calls):
             call()
-            if done == 0 and last and time.perf_counter() - start > COLD:
+            if done == 0 and last and time.perf_counter() - start > COMPILATION.cold_start_seconds:
                 helper = _compiling_trees()
             yield (done + 1) / number
         while helper is not None and helper.poll() is None:
-            time.sleep(PATIENCE)
+            time.sleep(COMPILATION.poll_seconds)
             yield len(calls) / number
         for done, call in enumerate(last):
             call()

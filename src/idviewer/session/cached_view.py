@@ -20,13 +20,13 @@ from idviewer.session.shape_context import ShapeContext
 from idviewer.session.spectrum_cache import BLOCK_BYTES, key_steps
 from idviewer.session.state import Point, Query
 
-VERSION = 2
+VIEW_VERSION = 2
 """To be raised when sampling, coordinates or the search for the barycentroid change between two releases."""
 
 NEAR_DIAGONALS = 0.01
 """Distance within which a plane counts as one through the barycentroid."""
 
-VIEW = "-view"
+VIEW_STEM_END = "-view"
 """End of a file's stem."""
 
 
@@ -105,7 +105,7 @@ class CachedView:
         """Look for the view of these eigenpairs; returns what was wrong with its file, or nothing."""
         if self._cache is None:
             return ""
-        stem = (yield from key_steps(self._shape)) + VIEW
+        stem = (yield from key_steps(self._shape)) + VIEW_STEM_END
         kind = yield from _kind_steps(stem, query, spectrum)
         header, arrays, complaint = yield from self._cache.load_steps(
             stem, lambda header: all(header[name] == value for name, value in kind.items())
@@ -138,7 +138,7 @@ class CachedView:
         if view is None or self._cache is None or context.spectrum is None:
             return
         self._is_kept = True
-        stem = (yield from key_steps(self._shape)) + VIEW
+        stem = (yield from key_steps(self._shape)) + VIEW_STEM_END
         kind = yield from _kind_steps(stem, query, context.spectrum)
         yield from self._cache.store_steps(stem, {**kind, **view.header}, view.arrays)
 
@@ -168,6 +168,6 @@ def _kind_steps(key: str, query: Query, spectrum: Spectrum) -> Generator[float, 
         yield 0.0
     return {
         "key": key,
-        "of": [VERSION, idviewer.__version__, repr(query.distance), query.coordinates],
+        "of": [VIEW_VERSION, idviewer.__version__, repr(query.distance), query.coordinates],
         "eigenvectors": [*spectrum.vectors.shape, checksum],
     }

@@ -18,9 +18,9 @@ from idviewer.session.progress import PREPARING_SLICES, with_progress
 from idviewer.session.shape_context import ShapeContext
 from idviewer.session.state import Point, Progress, Query
 
-SEARCHING = "Finding the barycentroid of the preview"
+SEARCHING_PREVIEW = "Finding the barycentroid of the preview"
 
-NODES = 1600
+PREVIEW_NODES = 1600
 """Of a slice's second level; the first, which alone is shown, has 400, and the worst midpoints of edges."""
 
 
@@ -85,8 +85,8 @@ def _make(shape: Mesh, query: Query) -> Generator[Progress, None, ShapeContext |
     # Which the first section needs.
     yield from with_progress(PREPARING_SLICES, beside(lambda: shape.patches))
     solver = preview_solver(preview, query.distance, query.coordinates)
-    context = ShapeContext(solver, nodes=NODES, preview=preview)
-    yield from map_steps(lambda _: Progress(SEARCHING), context.find_barycentroid_steps(solver))
+    context = ShapeContext(solver, nodes=PREVIEW_NODES, preview=preview)
+    yield from map_steps(lambda _: Progress(SEARCHING_PREVIEW), context.find_barycentroid_steps(solver))
     return context if preview.keeps_inside(context.barycentroid(query)) else None
 
 

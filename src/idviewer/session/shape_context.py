@@ -15,9 +15,6 @@ from idviewer.session.state import Point, Query
 Kind = tuple[Distance, str]
 """A distance and the name of coordinates: what a barycentroid belongs to."""
 
-KEPT_BASES = 4
-"""Bases whose samples are kept."""
-
 
 class ShapeContext:
     """A shape with all that was computed of it and does not depend on the query's distance or coordinates.
@@ -77,8 +74,9 @@ class ShapeContext:
         """Keep samples of a solver beside those that are there, in place of those used longest ago."""
         # A warning would be lost in the compute thread; remarks tell instead.
         solver.coordinates.warns = False
-        self._bases.append(BasisSamples(solver, self._nodes))
-        while len(self._bases) > KEPT_BASES:
+        samples = BasisSamples(solver, self._nodes)
+        self._bases.append(samples)
+        while len(self._bases) > samples.sampler.settings.kept_bases:
             self._bases.pop(0)
 
     @property

@@ -18,7 +18,7 @@ from idviewer.core.steps import finish
 from idviewer.session.array_cache import ArrayCache
 from idviewer.session.array_files import DamagedError, Header
 
-FORMAT = 2
+FORMAT_VERSION = 2
 """Of the files; to be raised when what they hold, or its meaning, changes."""
 
 LIMIT_BYTES = 2 * 10**9
@@ -128,7 +128,7 @@ def cut_down(spectrum: Spectrum, cutoff: Cutoff) -> Spectrum:
 
 def key_steps(shape: Shape) -> Generator[float, None, str]:
     """What tells a shape from all others, whatever its name, and this solver from others."""
-    digest = hashlib.blake2b(f"{FORMAT} {SOLVER_VERSION} {shape.dimension}".encode(), digest_size=20)
+    digest = hashlib.blake2b(f"{FORMAT_VERSION} {SOLVER_VERSION} {shape.dimension}".encode(), digest_size=20)
     for array, kind in ((shape.vertices, "<f8"), (shape.facets, "<i8")):
         digest.update(f" {array.shape}".encode())
         data = np.ascontiguousarray(array, dtype=kind).reshape(-1).view(np.uint8)

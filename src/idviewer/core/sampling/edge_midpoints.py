@@ -61,7 +61,11 @@ def interpolated(
 
 
 def combined(points: Ints, coefficients: Floats, rows: Floats) -> Floats:
-    """Sums of rows: each of points (e, c) times its coefficient (e, c)."""
+    """Sums of rows (p, k), (e, k): each of points (e, c) times its coefficient (e, c).
+
+    >>> combined(np.array([[0, 1]]), np.array([[0.5, 0.5]]), np.array([[1.0], [3.0]])).tolist()
+    [[2.0]]
+    """
     starts = np.arange(0, points.size + 1, points.shape[1])
     matrix = csr_array((coefficients.ravel(), points.ravel(), starts), shape=(len(points), len(rows)))
     return matrix @ rows
@@ -143,6 +147,9 @@ def worst_and_some(expected: Floats, count: int, others: int) -> Ints:
         expected: (e,) errors.
         count: how many to choose.
         others: of these, how many among the smaller ones.
+
+    >>> worst_and_some(np.array([1.0, 5.0, 2.0, 0.0, 4.0]), 3, 1).tolist()
+    [1, 4, 2]
     """
     inexact = int((expected > 0.0).sum())
     order = np.argsort(-expected, kind="stable")[:inexact]

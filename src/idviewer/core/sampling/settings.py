@@ -34,7 +34,8 @@ class SamplingSettings:
             are large.
         outline_points: so many points of an outline tell how large the distances on a slice are.
         boundary_vertices: so many vertices tell how large they are on the whole shape.
-        kept_planes, kept_points: planes and points whose samples are kept.
+        kept_bases: bases whose samples are kept of a shape.
+        kept_planes, kept_points: planes and points whose samples are kept of a basis.
         basis_numbers: of the basis on the finest level of a slice (240 MB).
         facet_visits: work spent on the exact level of a slice: a few seconds on two cores, with mean value
             coordinates.
@@ -59,6 +60,7 @@ class SamplingSettings:
     significant_share: float = 0.03
     outline_points: int = 200
     boundary_vertices: int = 5000
+    kept_bases: int = 4
     kept_planes: int = 6
     kept_points: int = 8
     basis_numbers: float = 3e7
