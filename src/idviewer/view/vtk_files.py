@@ -1,0 +1,47 @@
+"""Surfaces in VTK's own files: .vtp and .vtu (XML), and legacy .vtk. VTK reads them, in another process.
+
+Nothing here imports VTK, so that registering the reader costs nothing.
+"""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from idviewer.core.io import UnreadableError
+from idviewer.core.validation import PolygonSoup, strips
+
+VTK_SUFFIXES = (".vtp", ".vtu", ".vtk")
+_PROGRAM = Path(__file__).with_name("vtk_reader_process.py")
+
+
+def read_vtk(data: bytes, path: Path) -> PolygonSoup:
+    """Polygons of a VTK file, of all its pieces together; points and lines are passed over.
+
+    Args:
+        data: what the file holds; that tells its format.
+        path: of the file; not looked at.
+
+    Raises:
+        UnreadableError: the file is damaged or truncated, or holds something else than a surface.
+    """
+    # -P: a folder of modules is no place to look for those of the standard library.
+    done = subprocess.run([sys.executable, "-P", str(_PROGRAM)], input=data, capture_output=True, check=False)
+    if done.returncode == 1 and done.stderr.strip():
+        raise UnreadableError(done.stderr.decode(errors="replace").strip().splitlines()[-1])
+    if done.returncode:
+        raise UnreadableError("truncated or damaged, so much that VTK gave up on it")
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as stored:
+        arrays = dict(stored)
+    ends = np.cumsum(arrays["strip_sizes"])[:-1]
+    triangles = [strips(strip) for strip in np.split(arrays["strip_corners"], ends)]
+    turned = np.concatenate([np.empty((0, 3), np.int64), *triangles])
+    return PolygonSoup(
+        arrays["points"],
+        np.concatenate([arrays["polygon_corners"], turned.ravel()]),
+        np.concatenate([arrays["polygon_sizes"], np.full(len(turned), 3, np.int64)]),
+    )

@@ -1,0 +1,172 @@
+"""A program of its own that reads a VTK file from standard input and writes arrays to standard output.
+
+VTK's readers end their process when a damaged array makes them ask for more memory than there is. So they
+have one to themselves, which imports nothing but VTK and numpy. Exit status 1 comes with one line on standard
+error that says what is wrong with the file.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPointSet, vtkPolyData
+from vtkmodules.vtkIOLegacy import vtkPolyDataReader, vtkUnstructuredGridReader
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+
+Cells = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""Corners of all cells one after the other, and how many each cell has."""
+
+XML_READERS: dict[str, type] = {
+    "PolyData": vtkXMLPolyDataReader,
+    "UnstructuredGrid": vtkXMLUnstructuredGridReader,
+}
+LEGACY_READERS: dict[str, type] = {
+    "POLYDATA": vtkPolyDataReader,
+    "UNSTRUCTURED_GRID": vtkUnstructuredGridReader,
+}
+LEGACY_HEADER = rb"# vtk DataFile Version[^\n]*\n[^\n]*\n\s*(?:ASCII|BINARY)\s+DATASET\s+(\w+)"
+
+# VTK's numbers of cell types.
+POINTS_AND_LINES = (0, 1, 2, 3, 4)
+TRIANGLE, STRIP, POLYGON, PIXEL, QUAD = 5, 6, 7, 8, 9
+
+
+class DamagedError(ValueError):
+    """What is wrong with the file, in words for its owner."""
+
+
+def read(data: bytes) -> dict[str, NDArray]:
+    """Points, polygons and triangle strips of a file.
+
+    Returns:
+        points (n, 3), and for polygons and strips each their corners and sizes.
+
+    Raises:
+        DamagedError: the file holds no surface, or its arrays do not fit each other. What else is wrong with
+            it, VTK tells its output window.
+    """
+    made = _read_xml(data) if data.lstrip()[:1] == b"<" else _read_legacy(data)
+    points = _points(made)
+    if isinstance(made, vtkPolyData):
+        polygons, strips = _cells(made.GetPolys()), _cells(made.GetStrips())
+    else:
+        polygons, strips = _surface_of(made)
+    for corners, _ in (polygons, strips):
+        if np.any((corners < 0) | (corners >= len(points))):
+            raise DamagedError("truncated or damaged (it has fewer points than its cells name)")
+    return {
+        "points": points,
+        "polygon_corners": polygons[0],
+        "polygon_sizes": polygons[1],
+        "strip_corners": strips[0],
+        "strip_sizes": strips[1],
+    }
+
+
+def _read_xml(data: bytes) -> vtkPointSet:
+    root = re.search(rb"<VTKFile\b[^>]*>", data)
+    kind = re.search(rb"\btype\s*=\s*[\"'](\w+)", root.group()) if root else None
+    if kind is None or not data.rstrip().endswith(b"</VTKFile>"):
+        raise DamagedError("truncated, or no XML file of VTK")
+    return _output(XML_READERS, kind.group(1).decode(), data)
+
+
+def _read_legacy(data: bytes) -> vtkPointSet:
+    header = re.match(LEGACY_HEADER, data)
+    if header is None:
+        raise DamagedError("truncated, or no file of VTK")
+    return _output(LEGACY_READERS, header.group(1).decode(), data)
+
+
+def _output(readers: dict[str, type], kind: str, data: bytes) -> vtkPointSet:
+    if kind not in readers:
+        raise DamagedError(f"it holds {kind[:40]}, not {' or '.join(readers)}")
+    reader = readers[kind]()
+    reader.ReadFromInputStringOn()
+    if readers is XML_READERS:
+        reader.SetInputString(data, len(data))
+    else:
+        # Where the file ends too early, VTK goes on reading and finds no point's number.
+        data += 64 * b"\n"
+        reader.SetBinaryInputString(data, len(data))
+    reader.Update()
+    made = reader.GetOutputDataObject(0)
+    if made is None:
+        raise DamagedError("truncated or damaged")
+    return made
+
+
+def _refuse_errors(told: str | bytes) -> None:
+    """Raises VTK's first error; what it only warns of is none of a surface's points and cells."""
+    output = told if isinstance(told, str) else told.decode(errors="replace")  # VTK quotes what it finds
+    error = re.search(r"ERROR: In .*, line \d+\n(?:\w+ \(0x\w+\): )?(.*)", output)
+    if error:
+        raise DamagedError(f"truncated or damaged ({error.group(1)[:80].rstrip(' .')})")
+
+
+def _surface_of(grid: Any) -> tuple[Cells, Cells]:
+    """Polygons and triangle strips among the cells of a grid; points and lines are passed over."""
+    corners, sizes = _cells(grid.GetCells())
+    types = np.array([grid.GetCellType(cell) for cell in range(len(sizes))], dtype=np.int64)
+    if not np.isin(types, (*POINTS_AND_LINES, TRIANGLE, STRIP, POLYGON, PIXEL, QUAD)).all():
+        raise DamagedError("it holds cells that are no polygons; extract the surface and save that")
+    pixels = np.flatnonzero((types == PIXEL) & (sizes == 4))
+    third = (np.cumsum(sizes) - sizes)[pixels] + 2
+    corners[np.stack([third, third + 1])] = corners[np.stack([third + 1, third])]
+    is_strip, is_polygon = types == STRIP, np.isin(types, (TRIANGLE, POLYGON, PIXEL, QUAD))
+    return (
+        (corners[np.repeat(is_polygon, sizes)], sizes[is_polygon]),
+        (corners[np.repeat(is_strip, sizes)], sizes[is_strip]),
+    )
+
+
+def _points(data: vtkPointSet) -> NDArray[np.float64]:
+    points = data.GetPoints()
+    if points is None or points.GetNumberOfPoints() == 0:
+        return np.empty((0, 3))
+    return np.array(vtk_to_numpy(points.GetData()), dtype=np.float64).reshape(-1, 3)
+
+
+def _cells(cells: vtkCellArray | None) -> Cells:
+    if cells is None or cells.GetNumberOfCells() == 0:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    cells.ConvertTo64BitStorage()
+    ends = vtk_to_numpy(cells.GetOffsetsArray()).astype(np.int64)
+    corners = vtk_to_numpy(cells.GetConnectivityArray()).astype(np.int64)
+    sizes = np.diff(ends)
+    if ends[0] != 0 or np.any(sizes < 0) or ends[-1] != len(corners):
+        raise DamagedError("truncated or damaged (its cells do not fit their offsets)")
+    return corners, sizes
+
+
+def main() -> int:
+    """Answers one file and returns the exit status."""
+    with suppress(ImportError):  # there is none on Windows, nor core dumps
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    window = vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(window)
+    try:
+        arrays = read(sys.stdin.buffer.read())
+        _refuse_errors(window.GetOutput())
+    except DamagedError as error:
+        print(error, file=sys.stderr)
+        return 1
+    answer = io.BytesIO()
+    np.savez(answer, allow_pickle=False, **arrays)
+    sys.stdout.buffer.write(answer.getbuffer())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

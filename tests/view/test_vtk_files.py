@@ -1,0 +1,271 @@
+"""VTK files: what VTK's writers write in any mode is read to the last bit, and no damage ends the process."""
+
+from __future__ import annotations
+
+import itertools
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.core import meshfiles, shapes
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import (
+    VTK_LINE,
+    VTK_PIXEL,
+    VTK_POLYGON,
+    VTK_QUAD,
+    VTK_TETRA,
+    VTK_TRIANGLE,
+    VTK_TRIANGLE_STRIP,
+    VTK_VERTEX,
+    vtkCellArray,
+    vtkPolyData,
+    vtkUnstructuredGrid,
+)
+from vtkmodules.vtkFiltersCore import vtkStripper
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
+
+from idviewer.core import Mesh, repair_mesh
+from idviewer.core.io import UnreadableError
+from idviewer.view.vtk_files import VTK_SUFFIXES, read_vtk
+from idviewer.view.vtk_reader_process import read
+
+ASCII, BINARY, APPENDED = range(3)
+COMPRESSORS = ["NONE", "ZLIB", "LZ4", "LZMA"]  # as VTK numbers them
+
+HERE = Path("here.vtp")
+
+
+def polydata(vertices, polygons, single: bool = False) -> vtkPolyData:
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(np.asarray(vertices, np.float32 if single else np.float64), deep=True))
+    cells, lines = vtkCellArray(), vtkCellArray()
+    for polygon in polygons:
+        cells.InsertNextCell(len(polygon), [int(corner) for corner in polygon])
+    lines.InsertNextCell(2, [0, 1])
+    data = vtkPolyData()
+    data.SetPoints(points)
+    data.SetPolys(cells)
+    data.SetLines(lines)
+    # Further arrays, one with information keys in its XML element, are none of ours.
+    heights = numpy_to_vtk(np.ascontiguousarray(vertices), deep=True)
+    heights.SetName("heights")
+    heights.GetRange(-1)
+    data.GetPointData().AddArray(heights)
+    return data
+
+
+def written(
+    tmp_path, data: vtkPolyData | vtkSphereSource, mode: int, compressor: str = "NONE", **how: int
+) -> bytes:
+    path = tmp_path / "written.vtp"
+    writer = vtkXMLPolyDataWriter()
+    writer.SetFileName(str(path))
+    if isinstance(data, vtkPolyData):
+        writer.SetInputData(data)
+    else:
+        writer.SetInputConnection(data.GetOutputPort())
+    writer.SetDataMode(mode)
+    writer.SetCompressorType(COMPRESSORS.index(compressor))
+    writer.SetHeaderType(how.get("header", 32))
+    writer.SetIdType(how.get("ids", 64))
+    writer.SetEncodeAppendedData(how.get("encode", 1))
+    writer.SetByteOrder(how.get("order", 1))
+    writer.SetBlockSize(how.get("block", 32768))
+    writer.SetNumberOfPieces(how.get("pieces", 1))
+    assert writer.Write()
+    return path.read_bytes()
+
+
+def legacy(tmp_path, writer: vtkPolyDataWriter | vtkUnstructuredGridWriter, data, binary: bool) -> bytes:
+    path = tmp_path / "written.vtk"
+    writer.SetFileName(str(path))
+    writer.SetInputData(data)
+    writer.SetFileType(2 if binary else 1)
+    assert writer.Write()
+    return path.read_bytes()
+
+
+def grid(cells: list[tuple[int, list[int]]]) -> vtkUnstructuredGrid:
+    points = vtkPoints()
+    for x, y, z in itertools.product((0, 1), repeat=3):
+        points.InsertNextPoint(x, y, z)
+    made = vtkUnstructuredGrid()
+    made.SetPoints(points)
+    for kind, corners in cells:
+        made.InsertNextCell(kind, len(corners), corners)
+    return made
+
+
+def grid_file(tmp_path, data: vtkUnstructuredGrid, xml: bool) -> bytes:
+    if not xml:
+        return legacy(tmp_path, vtkUnstructuredGridWriter(), data, True)
+    path = tmp_path / "written.vtu"
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(data)
+    assert writer.Write()
+    return path.read_bytes()
+
+
+@pytest.mark.one_is_quick
+@pytest.mark.parametrize("mode", [ASCII, BINARY, APPENDED])
+@pytest.mark.parametrize("compressor", COMPRESSORS)
+def test_every_way_of_writing(tmp_path, mode, compressor):
+    vertices, polygons = shapes.extruded(shapes.L_OUTLINE)
+    for single, header, ids, encode, order in itertools.product((0, 1), (32, 64), (32, 64), (0, 1), (0, 1)):
+        data = polydata(vertices, polygons, bool(single))
+        # 64-byte blocks, so that arrays have several, the last one not full.
+        how = {"header": header, "ids": ids, "encode": encode, "order": order, "block": 64}
+        arrays = read(written(tmp_path, data, mode, compressor, **how))
+        assert np.array_equal(arrays["points"], vertices)
+        assert arrays["polygon_sizes"].tolist() == [len(polygon) for polygon in polygons]
+        assert arrays["polygon_corners"].tolist() == [corner for polygon in polygons for corner in polygon]
+
+
+def test_several_pieces_are_joined(tmp_path):
+    # A writer with data of its own would write all of it into every piece; this source makes pieces.
+    sphere = vtkSphereSource()
+    sphere.SetThetaResolution(16)
+    sphere.SetPhiResolution(8)
+    sphere.Update()
+    sizes = sphere.GetOutput().GetNumberOfPoints(), sphere.GetOutput().GetNumberOfPolys()
+    data = written(tmp_path, sphere, APPENDED, "ZLIB", pieces=4)
+    assert data.count(b"<Piece") == 4
+    soup = read_vtk(data, HERE)
+    mesh = repair_mesh(soup.vertices, soup.corners.reshape(-1, 3))
+    assert (len(mesh.vertices), len(mesh.faces)) == sizes
+
+
+def test_strips(tmp_path):
+    vertices, faces = shapes.icosphere(2)
+    stripper = vtkStripper()
+    stripper.SetInputData(polydata(vertices, faces))
+    stripper.Update()
+    assert stripper.GetOutput().GetNumberOfStrips() > 1
+    for mode in (ASCII, BINARY, APPENDED):
+        soup = read_vtk(written(tmp_path, stripper.GetOutput(), mode), HERE)
+        assert len(soup.sizes) == len(faces)
+        mesh = repair_mesh(soup.vertices, soup.corners.reshape(-1, 3))
+        assert mesh.notes == ()
+        assert mesh.volume == pytest.approx(Mesh(vertices, faces).volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_legacy_files(tmp_path, binary):
+    vertices, polygons = shapes.extruded(shapes.L_OUTLINE)
+    soup = read_vtk(legacy(tmp_path, vtkPolyDataWriter(), polydata(vertices, polygons), binary), HERE)
+    assert np.array_equal(soup.vertices, vertices)
+    assert soup.sizes.tolist() == [len(polygon) for polygon in polygons]
+    assert soup.corners.tolist() == [corner for polygon in polygons for corner in polygon]
+
+
+@pytest.mark.parametrize("xml", [False, True])
+def test_the_flat_cells_of_an_unstructured_grid(tmp_path, xml):
+    cells = [
+        (VTK_TRIANGLE, [0, 1, 2]),
+        (VTK_LINE, [0, 1]),
+        (VTK_PIXEL, [4, 5, 6, 7]),
+        (VTK_TRIANGLE_STRIP, [1, 2, 3, 4]),
+        (VTK_VERTEX, [3]),
+        (VTK_QUAD, [3, 2, 1, 0]),
+        (VTK_POLYGON, [0, 2, 4, 6, 7]),
+    ]
+    soup = read_vtk(grid_file(tmp_path, grid(cells), xml), HERE)
+    assert len(soup.vertices) == 8
+    assert soup.sizes.tolist() == [3, 4, 4, 5, 3, 3]
+    turned_strip = [1, 2, 3, 3, 2, 4]
+    assert soup.corners.tolist() == [0, 1, 2, 4, 5, 7, 6, 3, 2, 1, 0, 0, 2, 4, 6, 7, *turned_strip]
+
+
+@pytest.mark.parametrize("xml", [False, True])
+def test_a_grid_of_volumes_is_refused(tmp_path, xml):
+    data = grid_file(tmp_path, grid([(VTK_TETRA, [0, 1, 2, 4])]), xml)
+    with pytest.raises(UnreadableError, match="cells that are no polygons; extract the surface"):
+        read_vtk(data, HERE)
+
+
+def test_other_data_are_refused_by_their_name(tmp_path):
+    with pytest.raises(UnreadableError, match="it holds STRUCTURED_POINTS, not POLYDATA or UNSTRUCTURED"):
+        read_vtk(b"# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET STRUCTURED_POINTS\n", HERE)
+    with pytest.raises(UnreadableError, match="it holds ImageData, not PolyData or UnstructuredGrid"):
+        read_vtk(b'<?xml version="1.0"?><VTKFile type="ImageData"></VTKFile>', HERE)
+    with pytest.raises(UnreadableError, match="truncated, or no file of VTK"):
+        read_vtk(b"solid cube", HERE)
+
+
+@pytest.mark.one_is_quick
+@pytest.mark.parametrize("compressor", COMPRESSORS)
+@pytest.mark.parametrize("encode", [0, 1])
+def test_truncated_files_are_refused(tmp_path, compressor, encode):
+    whole = written(tmp_path, polydata(*shapes.cube()), APPENDED, compressor, encode=encode)
+    for size in (0, 40, len(whole) // 2, len(whole) - 30, len(whole) - 5):
+        with pytest.raises(UnreadableError, match="truncated"):
+            read_vtk(whole[:size], HERE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("binary", [False, True])
+def test_truncated_legacy_files_are_refused_or_hold_no_polygons(tmp_path, binary):
+    whole = legacy(tmp_path, vtkPolyDataWriter(), polydata(*shapes.cube()), binary)
+    reference = read_vtk(whole, HERE)
+    for size in range(0, len(whole), len(whole) // 12):
+        try:
+            soup = read_vtk(whole[:size], HERE)
+        except UnreadableError:
+            continue
+        if len(soup.sizes):
+            assert np.array_equal(soup.vertices, reference.vertices)
+            assert np.array_equal(soup.corners, reference.corners)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compressor", ["NONE", "ZLIB"])
+def test_damaged_files_end_in_one_line(tmp_path, compressor, capfd):
+    whole = written(tmp_path, polydata(*shapes.cube()), APPENDED, compressor, encode=0)
+    rng = np.random.default_rng(0)
+    for _ in range(25):
+        damaged = bytearray(whole)
+        damaged[rng.integers(len(damaged))] = rng.integers(256)
+        with suppress(UnreadableError):  # many a byte is that of a coordinate
+            read_vtk(bytes(damaged), HERE)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_ends_the_process_of_the_reader_ends_no_other(tmp_path):
+    # The last offset is missing: VTK takes whatever lies in memory there for the length of the next array.
+    whole = written(tmp_path, polydata(*shapes.cube()), APPENDED, encode=0)
+    end = whole.rindex(b"</AppendedData>")
+    with pytest.raises(UnreadableError, match="truncated or damaged"):
+        read_vtk(whole[: end - 100] + whole[end - 1 :], HERE)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"<VTKFile", b"<VTKfile", "no XML file of VTK"),
+        (b'NumberOfPoints="8"', b'NumberOfPoints="9"', "truncated or damaged"),
+        (b'NumberOfPolys="12"', b'NumberOfPolys="13"', "truncated or damaged"),
+        (b'NumberOfPoints="8"', b'NumberOfPoints="800000000000000"', "truncated or damaged"),
+        (b'Name="offsets"', b'Name="ends"', "truncated or damaged"),
+        (b"\n3 6 9", b"\n3 9 6", "truncated or damaged"),
+        (b"\n0 2 3", b"\n0 2 8", "fewer points than its cells name"),
+    ],
+)
+def test_files_that_contradict_themselves(old, new, message):
+    data = meshfiles.vtp(*shapes.cube())
+    assert old in data
+    with pytest.raises(UnreadableError, match=message):
+        read_vtk(data.replace(old, new), HERE)
+
+
+def test_the_reader_is_named_without_loading_vtk():
+    assert VTK_SUFFIXES == (".vtp", ".vtu", ".vtk")
+    code = "import sys, idviewer.view.vtk_files; assert 'vtkmodules' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
