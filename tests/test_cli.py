@@ -20,8 +20,7 @@ import trimesh
 from PIL import Image
 
 import idviewer
-from idviewer.cli import main, output
-from idviewer.cli import parsing as words
+from idviewer.cli import main, output, parsing
 from idviewer.cli.options import DisplayOptions
 from idviewer.core import (
     COORDINATES,
@@ -510,7 +509,7 @@ class TestBarycentroid:
     def test_in_words(self, run: Run, body: str) -> None:
         answer = run("barycentroid", body)
         place, potential = (line.split()[1] for line in answer.out.splitlines())
-        assert words.point_of(place, "--source") == pytest.approx((0, 0, 0), abs=0.05)
+        assert parsing.point_of(place, "--source") == pytest.approx((0, 0, 0), abs=0.05)
         assert 0 < float(potential) < 1
 
     @pytest.mark.slow
@@ -783,8 +782,8 @@ class TestWindow:
         self.caches = caches = []
         app = SimpleNamespace(run_window=lambda path, cache: opened.append(path) or caches.append(cache) or 7)
         monkeypatch.setitem(sys.modules, "idviewer.app", app)
-        monkeypatch.setattr(words, "why_no_display", lambda: "")
-        monkeypatch.setattr(words, "need_window_libraries", lambda: None)
+        monkeypatch.setattr(parsing, "why_no_display", lambda: "")
+        monkeypatch.setattr(parsing, "need_window_libraries", lambda: None)
         return opened
 
     def test_opens_on_a_file(self, run: Run, body: str, opened: list[Path | None]) -> None:
@@ -800,33 +799,33 @@ class TestWindow:
         assert opened == [None]
 
     def test_a_missing_library_is_named(self, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(words, "why_no_display", lambda: "")
-        monkeypatch.setattr(words, "_loads", lambda library: library != "libEGL.so.1")
+        monkeypatch.setattr(parsing, "why_no_display", lambda: "")
+        monkeypatch.setattr(parsing, "_loads", lambda library: library != "libEGL.so.1")
         told = refused(run())
         assert "libEGL.so.1" in told
         assert "apt-get install libegl1`" in told
 
     def test_a_machine_without_opengl(self, run: Run, body: str, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(words, "_loads", lambda library: False)
+        monkeypatch.setattr(parsing, "_loads", lambda library: False)
         told = refused(run("render", body, "out.png", *QUICK))
         assert "there is no OpenGL to draw with" in told
         assert "apt-get install libegl1" in told
 
     def test_a_machine_with_opengl_but_without_x11(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(words, "_loads", lambda library: library == "libEGL.so.1")
+        monkeypatch.setattr(parsing, "_loads", lambda library: library == "libEGL.so.1")
         monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "")
         monkeypatch.delenv("VTK_DEFAULT_OPENGL_WINDOW")
-        words.need_picture_libraries()
+        parsing.need_picture_libraries()
         assert os.environ["VTK_DEFAULT_OPENGL_WINDOW"] == "vtkEGLRenderWindow"
 
     def test_why_there_is_no_display(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
         monkeypatch.delenv("DISPLAY", raising=False)
-        assert "neither DISPLAY nor WAYLAND_DISPLAY" in words.why_no_display()
+        assert "neither DISPLAY nor WAYLAND_DISPLAY" in parsing.why_no_display()
         monkeypatch.setenv("DISPLAY", ":4711")
-        assert words.why_no_display() == "no X server answers at DISPLAY=:4711"
+        assert parsing.why_no_display() == "no X server answers at DISPLAY=:4711"
         monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
-        assert words.why_no_display() == ""
+        assert parsing.why_no_display() == ""
 
 
 class TestProgram:
@@ -848,14 +847,14 @@ class TestProgram:
         def interrupt(name: str) -> Path:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr(words, "path_of", interrupt)
+        monkeypatch.setattr(parsing, "path_of", interrupt)
         assert run("info", "hand") == (130, "", "")
 
     def test_running_out_of_memory(self, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
         def exhaust(name: str) -> Path:
             raise MemoryError
 
-        monkeypatch.setattr(words, "path_of", exhaust)
+        monkeypatch.setattr(parsing, "path_of", exhaust)
         assert "not enough memory" in refused(run("info", "hand"))
 
     @pytest.mark.slow

@@ -103,8 +103,12 @@ def test_zoom_keeps_the_point_under_the_mouse(rng: np.random.Generator) -> None:
 
 def test_zoom_has_bounds(rng: np.random.Generator) -> None:
     pose = some_pose(rng)
-    assert camera.zoom(pose, 1e-9, pose.focal, size=1.0).distance == pytest.approx(camera.NEAREST)
-    assert camera.zoom(pose, 1e9, pose.focal, size=1.0).distance == pytest.approx(camera.FARTHEST)
+    assert camera.zoom(pose, 1e-9, pose.focal, size=1.0).distance == pytest.approx(
+        camera.NEAREST_IN_DIAGONALS
+    )
+    assert camera.zoom(pose, 1e9, pose.focal, size=1.0).distance == pytest.approx(
+        camera.FARTHEST_IN_DIAGONALS
+    )
 
 
 @pytest.mark.parametrize("pole", [*np.eye(3), *-np.eye(3)])

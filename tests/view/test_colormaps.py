@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from idviewer.view.colormaps import COLORMAPS, SIZE, UNKNOWN, colors, lookup_table
+from idviewer.view.colormaps import COLORMAPS, TABLE_SIZE, UNKNOWN_COLOR, colors, lookup_table
 
 
 def _luminance(rgb: np.ndarray) -> np.ndarray:
@@ -14,14 +14,22 @@ def _luminance(rgb: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("name", COLORMAPS)
 def test_maps_are_smooth_and_end_in_different_colors(name: str) -> None:
     table = colors(name).astype(int)
-    assert table.shape == (SIZE, 3)
+    assert table.shape == (TABLE_SIZE, 3)
     assert np.abs(np.diff(table, axis=0)).max() <= 8
     assert np.abs(table[0] - table[-1]).max() > 60
 
 
 def test_the_paper_runs_from_dark_blue_over_cyan_green_and_yellow_to_dark_red() -> None:
     red, green, blue = colors("paper").astype(int).T
-    at = [0, SIZE // 6, SIZE // 3, SIZE // 2, 2 * SIZE // 3, 5 * SIZE // 6, SIZE - 1]
+    at = [
+        0,
+        TABLE_SIZE // 6,
+        TABLE_SIZE // 3,
+        TABLE_SIZE // 2,
+        2 * TABLE_SIZE // 3,
+        5 * TABLE_SIZE // 6,
+        TABLE_SIZE - 1,
+    ]
     order = ["blue", "blue", "cyan", "green", "yellow", "red", "red"]
     found = []
     for i in at:
@@ -46,7 +54,7 @@ def test_tables_hold_the_colors_and_grey_for_unknown_values() -> None:
     assert table.scalar_range == (0.0, 1.0)
     for value, rgb in ((0.0, colors("paper")[0]), (1.0, colors("paper")[-1]), (-1.0, colors("paper")[0])):
         assert np.allclose(np.array(table.map_value(value)[:3]) * 255, rgb, atol=1)
-    assert np.allclose(table.map_value(np.nan)[:3], UNKNOWN, atol=0.01)
+    assert np.allclose(table.map_value(np.nan)[:3], UNKNOWN_COLOR, atol=0.01)
 
 
 def test_each_table_is_a_new_one_and_colors_cannot_be_changed() -> None:

@@ -8,7 +8,7 @@ from tests.view.test_camera import UP, projection, some_pose
 
 from idviewer.core import Plane
 from idviewer.view.camera import Pose, unit, upright
-from idviewer.view.handle_geometry import ARROW, RADIUS, Handle, Part
+from idviewer.view.handle_geometry import ARROW_HALF_LENGTH, RING_RADIUS_PX, Handle, Part
 
 FAR = 100.0
 
@@ -32,7 +32,7 @@ def test_it_keeps_its_size_on_the_screen(rng: np.random.Generator, distance: flo
     there = handle(back, pose, scale)
     ring = there.projection.project(there.ring)
     middle = there.projection.project([there.origin])[0]
-    np.testing.assert_allclose(np.linalg.norm(ring - middle, axis=1), RADIUS, rtol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(ring - middle, axis=1), RING_RADIUS_PX, rtol=1e-6)
 
 
 def test_its_parts_are_found_where_they_are_drawn(rng: np.random.Generator) -> None:
@@ -62,7 +62,7 @@ def test_pushing_follows_the_mouse_along_the_normal(rng: np.random.Generator) ->
         there = handle(rng.normal(size=3), some_pose(rng))
         if there.foreshortened:
             continue
-        grip = there.origin + 0.8 * ARROW * there.radius * there.normal
+        grip = there.origin + 0.8 * ARROW_HALF_LENGTH * there.radius * there.normal
         goal = grip + 0.1 * there.normal
         (x, y), (to_x, to_y) = there.projection.project([grip, goal])
         moved = there.grab(Part.PUSH, x, y)(to_x, to_y)
@@ -97,7 +97,7 @@ def test_turning_at_the_rim_rolls_the_plane_in_the_screen(pose: Pose) -> None:
     turned = there.grab(Part.TURN, x, y)(x, y - 20)
     assert turned.origin == there.plane.origin
     assert turned.normal[0] < 0  # the right end went up
-    assert np.arccos(turned.normal[1]) == pytest.approx(np.arctan(20 / RADIUS), abs=0.1)
+    assert np.arccos(turned.normal[1]) == pytest.approx(np.arctan(20 / RING_RADIUS_PX), abs=0.1)
 
 
 def test_turning_is_smooth_and_can_go_all_the_way_round(pose: Pose) -> None:
@@ -105,10 +105,10 @@ def test_turning_is_smooth_and_can_go_all_the_way_round(pose: Pose) -> None:
     right = there.projection.project(there.ring)[:, 0].argmax()
     x, y = there.projection.project(there.ring)[right]
     drag = there.grab(Part.TURN, x, y)
-    normals = np.array([drag(x - step, y).normal for step in range(round(2 * RADIUS))])
+    normals = np.array([drag(x - step, y).normal for step in range(round(2 * RING_RADIUS_PX))])
     steps = np.arccos(np.clip((normals[1:] * normals[:-1]).sum(1), -1, 1))
-    assert steps.max() < 1.1 * np.pi / 2 / RADIUS
-    np.testing.assert_allclose(drag(x - 2 * RADIUS, y).normal, [0, 0, -1], atol=0.05)
+    assert steps.max() < 1.1 * np.pi / 2 / RING_RADIUS_PX
+    np.testing.assert_allclose(drag(x - 2 * RING_RADIUS_PX, y).normal, [0, 0, -1], atol=0.05)
     assert drag(x, y).normal == pytest.approx(there.plane.normal)
 
 

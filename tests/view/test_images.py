@@ -16,7 +16,7 @@ from tests.view.stage import color_of
 from idviewer.core import Plane
 from idviewer.session.state import State
 from idviewer.view import images
-from idviewer.view.images import ANGLE, default_camera, image, write_image
+from idviewer.view.images import VIEW_ANGLE_DEGREES, default_camera, image, write_image
 from idviewer.view.scene import Scene
 
 SIZE = (320, 240)
@@ -69,7 +69,7 @@ def test_a_transparent_picture_on_white_is_the_opaque_picture(shown):
 
 def test_a_larger_picture_looks_the_same(shown):
     """Lines, letters and dots grow with it."""
-    width, height = images.WINDOW
+    width, height = images.WINDOW_SIZE_PX
     small = image(*shown, (width, height), IN_FRONT).astype(float)
     large = Image.fromarray(image(*shown, (2 * width, 2 * height), IN_FRONT))
     shrunk = np.asarray(large.resize((width, height), Image.Resampling.BOX)).astype(float)
@@ -149,7 +149,7 @@ def test_the_first_view_shows_the_whole_body_obliquely_from_the_normals_side(nor
     assert above @ wanted_up > 0.3
     seen = mesh.vertices - position
     depth = -(seen @ back)
-    tangent = np.tan(np.radians(ANGLE / 2))
+    tangent = np.tan(np.radians(VIEW_ANGLE_DEGREES / 2))
     assert np.all(depth > 0)
     assert np.abs(seen @ above / depth).max() <= tangent
     assert np.abs(seen @ right / depth).max() <= tangent * aspect

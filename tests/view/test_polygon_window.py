@@ -27,8 +27,8 @@ from idviewer.core import COORDINATES, Polygon, read_polygon, write_polygon
 from idviewer.core.coordinates import Property
 from idviewer.session.state import Frame
 from idviewer.view.dialogs import PictureRequest
-from idviewer.view.menus import FLAT_VIEW, NO_SLICES
-from idviewer.view.status_line import FLAT_HINT
+from idviewer.view.menus import NO_3D_VIEWS_TIP, NO_SLICES_TIP
+from idviewer.view.status_line import POLYGON_HINT
 from idviewer.view.window import MainWindow
 
 pytestmark = pytest.mark.slow
@@ -93,14 +93,14 @@ def test_what_turns_or_slices_is_disabled_and_says_why(
     pose, actions = window.viewport.pose, window.actions_by_name
     mouse.key("3", "a", "0", "x", "t", "ctrl+n")
     np.testing.assert_allclose(window.viewport.pose.axes, pose.axes, atol=1e-12)
-    assert actions["left"].toolTip() == FLAT_VIEW
-    assert actions["plane_x"].toolTip() == NO_SLICES
+    assert actions["left"].toolTip() == NO_3D_VIEWS_TIP
+    assert actions["plane_x"].toolTip() == NO_SLICES_TIP
     assert not actions["upright"].isEnabled()
     assert actions["reset"].isEnabled()
     assert window.panel.planes.isHidden()
     assert not window.panel.show_group.opacity.isVisible()
     assert not window.panel.source.fields[2].isVisible()
-    assert window.status.probe.text() == FLAT_HINT or "d = " in window.status.probe.text()
+    assert window.status.probe.text() == POLYGON_HINT or "d = " in window.status.probe.text()
 
 
 def test_after_a_polygon_a_body_has_everything_again(
@@ -109,7 +109,7 @@ def test_after_a_polygon_a_body_has_everything_again(
     window.open(write_ellipsoid(tmp_path))
     wait_until_done(qtbot, window.session)
     assert window.actions_by_name["left"].isEnabled()
-    assert window.actions_by_name["left"].toolTip() != FLAT_VIEW
+    assert window.actions_by_name["left"].toolTip() != NO_3D_VIEWS_TIP
     assert window.panel.planes.isVisible()
     assert window.panel.show_group.opacity.isVisible()
     assert not window.panel.show_group.vertices.isVisible()
@@ -339,7 +339,7 @@ def test_no_stale_picture_after_a_hundred_moves(qtbot: QtBot, mouse: Mouse, wind
     assert isinstance(shape, Polygon)
     window.session.show(Polygon(shape.vertices, shape.loops))  # the same from nothing
     window.session.set(source=(0.0, 0.0, 0.0))
-    window.viewport._eye.stand(pose)
+    window.viewport._camera.set_pose(pose)
     wait_until_done(qtbot, window.session)
     qtbot.waitUntil(lambda: (np.abs(pixels_of(window).astype(int) - drawn).max(axis=2) > 60).mean() < 0.004)
 

@@ -9,7 +9,7 @@ import pytest
 from tests.view.frames import along_x, disc, frame, shown, sphere
 from tests.view.stage import HALF, SIDE, apart, color_of, middles_of_runs, pixel, stage
 
-from idviewer.view.colormaps import UNKNOWN, colors
+from idviewer.view.colormaps import UNKNOWN_COLOR, colors
 
 WHITE = (255, 255, 255)
 NO_SOURCE = {"source": np.array([50.0, 0.0, 0.0])}
@@ -61,7 +61,7 @@ def test_unknown_values_are_grey(ball):
         on.scene.show(shown(ball, isolines=7))
         on.scene.show_frame(frame(ball, section, **NO_SOURCE))
         picture = on.picture()
-    assert apart(picture[pixel(0.2, 0.4)], np.array(UNKNOWN) * 255) <= 2
+    assert apart(picture[pixel(0.2, 0.4)], np.array(UNKNOWN_COLOR) * 255) <= 2
     assert apart(picture[pixel(0.2, -0.4)], color_of(0.5)) <= 3
 
 

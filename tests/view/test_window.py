@@ -27,7 +27,7 @@ from tests.view.windows import (
 from trimesh import Trimesh
 
 from idviewer.session.pipeline import Pipeline
-from idviewer.view.status_line import EMPTY_HINT, HINT
+from idviewer.view.status_line import EMPTY_HINT, MESH_HINT
 from idviewer.view.window import MainWindow
 
 pytestmark = pytest.mark.slow
@@ -52,7 +52,7 @@ def test_the_hint_says_what_to_do_next(qtbot: QtBot, mouse: Mouse, ellipsoid: Pa
     assert window.status.probe.text() == EMPTY_HINT
     window.open(ellipsoid)
     wait_until_done(qtbot, window.session)
-    assert window.status.probe.text() == HINT
+    assert window.status.probe.text() == MESH_HINT
 
 
 def test_the_final_frame_is_exact_and_fills_the_slice(qtbot: QtBot, ellipsoid: Path) -> None:

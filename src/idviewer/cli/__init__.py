@@ -14,15 +14,20 @@ from pathlib import Path
 from cyclopts import App, CycloptsError
 
 import idviewer
-from idviewer.cli import commands as work
-from idviewer.cli import distance_options as kinds
-from idviewer.cli import output
-from idviewer.cli import parsing as words
-from idviewer.cli.options import Component, DisplayOptions, Endpoints, Flag, Kind, NoCache, PictureQuery
+from idviewer.cli import commands, distance_options, output, parsing
+from idviewer.cli.options import (
+    Component,
+    DisplayOptions,
+    DistanceOptions,
+    Endpoints,
+    Flag,
+    NoCache,
+    PictureQuery,
+)
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
-CARRYING = ("render", "distance", "barycentroid")
-"""The verbs that take a distance."""
+DISTANCE_COMMANDS = ("render", "distance", "barycentroid")
+"""The commands that take a distance."""
 
 FALLBACK_PICTURE = Path("idviewer.png")
 
@@ -46,20 +51,21 @@ def window(shape: str | None = None, /, *, no_cache: NoCache = False) -> int:
     """
     from idviewer.core.io import DEFAULT_SAMPLE
 
-    path = None if shape is None else words.path_of(shape)
-    obstacle = words.why_no_display()
+    path = None if shape is None else parsing.path_of(shape)
+    obstacle = parsing.why_no_display()
     if obstacle:
         print(f"idviewer: {obstacle}; drawing a picture instead", file=sys.stderr, flush=True)
-        words.check_picture_path(FALLBACK_PICTURE)
-        kind = kinds.carried_by(Kind())
-        made = words.shape_of(shape or DEFAULT_SAMPLE)
-        work.draw(made, FALLBACK_PICTURE, kind, PictureQuery(), DisplayOptions(), work.cache_of(no_cache))
+        parsing.check_picture_path(FALLBACK_PICTURE)
+        chosen = distance_options.chosen_distance(DistanceOptions())
+        made = parsing.shape_of(shape or DEFAULT_SAMPLE)
+        cache = commands.cache_of(no_cache)
+        commands.draw_picture(made, FALLBACK_PICTURE, chosen, PictureQuery(), DisplayOptions(), cache)
         print(FALLBACK_PICTURE)
         return 0
-    words.need_window_libraries()
+    parsing.need_window_libraries()
     from idviewer.app import run_window
 
-    return run_window(path, work.cache_of(no_cache))
+    return run_window(path, commands.cache_of(no_cache))
 
 
 @app.command
@@ -68,9 +74,9 @@ def render(
     out: Path,
     /,
     *,
-    asked: PictureQuery = PictureQuery(),
-    kind: Kind = Kind(),
-    looks: DisplayOptions = DisplayOptions(),
+    query: PictureQuery = PictureQuery(),
+    options: DistanceOptions = DistanceOptions(),
+    display: DisplayOptions = DisplayOptions(),
     component: Component = None,
     no_cache: NoCache = False,
 ) -> None:
@@ -82,10 +88,11 @@ def render(
         component: Which of a mesh's components to take, 1 for the largest.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
-    words.check_picture_path(out)
-    work.check(asked, looks)
-    carried = kinds.carried_by(kind)
-    work.draw(words.shape_of(shape, component), out, carried, asked, looks, work.cache_of(no_cache))
+    parsing.check_picture_path(out)
+    commands.check_picture(query, display)
+    chosen = distance_options.chosen_distance(options)
+    cache = commands.cache_of(no_cache)
+    commands.draw_picture(parsing.shape_of(shape, component), out, chosen, query, display, cache)
 
 
 @app.command
@@ -93,8 +100,8 @@ def distance(
     shape: str,
     /,
     *,
-    ends: Endpoints = Endpoints(),
-    kind: Kind = Kind(),
+    endpoints: Endpoints = Endpoints(),
+    options: DistanceOptions = DistanceOptions(),
     component: Component = None,
     no_cache: NoCache = False,
     json: Flag = False,
@@ -107,19 +114,19 @@ def distance(
         no_cache: Neither read nor keep eigenpairs on disk.
         json: Print JSON.
     """
-    given = {name for name, value in vars(ends).items() if value is not None}
-    if given == {"from_", "to"}:
-        answer = work.pair
-    elif given == {"source", "points"}:
-        answer = work.many
+    named = {name for name, value in vars(endpoints).items() if value is not None}
+    if named == {"from_", "to"}:
+        answer = commands.distance_of_pair
+    elif named == {"source", "points"}:
+        answer = commands.distances_from_source
     else:
         raise ValueError(
             "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv "
             "(X,Y in a polygon)"
         )
-    carried = kinds.carried_by(kind)
-    cache = work.cache_of(no_cache)
-    print(answer(ends, lambda: words.shape_of(shape, component), carried, cache, json))
+    chosen = distance_options.chosen_distance(options)
+    cache = commands.cache_of(no_cache)
+    print(answer(endpoints, lambda: parsing.shape_of(shape, component), chosen, cache, json))
 
 
 @app.command
@@ -127,7 +134,7 @@ def barycentroid(
     shape: str,
     /,
     *,
-    kind: Kind = Kind(),
+    options: DistanceOptions = DistanceOptions(),
     component: Component = None,
     no_cache: NoCache = False,
     json: Flag = False,
@@ -140,12 +147,12 @@ def barycentroid(
         no_cache: Neither read nor keep eigenpairs on disk.
         json: Print JSON.
     """
-    carried = kinds.carried_by(kind)
-    solver = work.solver_of(words.shape_of(shape, component), carried, work.cache_of(no_cache))
+    chosen = distance_options.chosen_distance(options)
+    solver = commands.solver_of(parsing.shape_of(shape, component), chosen, commands.cache_of(no_cache))
     found = solver.barycentroid()
-    work.tell_remarks(work.remarks_of(solver))
+    commands.print_remarks(commands.remarks_on_weights(solver))
     if json:
-        content = {**work.kind_of(solver), "point": found.point, "potential": found.potential}
+        content = {**commands.distance_as_json(solver), "point": found.point, "potential": found.potential}
         print(output.as_json(content))
     else:
         print(f"barycentroid  {output.coordinates(found.point)}\npotential     {found.potential!r}")
@@ -159,12 +166,11 @@ def info(shape: str, /, *, json: Flag = False) -> int:
         shape: A file, or the name of a bundled shape.
         json: Print JSON.
     """
-    from idviewer.cli import shape_info as about
+    from idviewer.cli import shape_info
 
-    path = words.path_of(shape)
-    text, usable = (
-        about.polygon(shape, path, json) if about.is_polygon(path) else about.mesh(shape, path, json)
-    )
+    path = parsing.path_of(shape)
+    report = shape_info.polygon if shape_info.is_polygon(path) else shape_info.mesh
+    text, usable = report(shape, path, json)
     print(text)
     return 0 if usable else BAD_INPUT
 
@@ -179,12 +185,12 @@ def samples() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line and returns its exit status: 0, or 2 for bad input."""
-    words_given = list(sys.argv[1:] if arguments is None else arguments)
+    given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        if words_given and words_given[0] in CARRYING and {"--help", "-h"} & set(words_given):
+        if given and given[0] in DISTANCE_COMMANDS and {"--help", "-h"} & set(given):
             # Only then, because what knows the distances takes a while to load.
-            app[words_given[0]].help_epilogue = kinds.all_in_words()
-        status = app(words_given, exit_on_error=False, print_error=False)
+            app[given[0]].help_epilogue = distance_options.distances_help()
+        status = app(given, exit_on_error=False, print_error=False)
         sys.stdout.flush()
         return status or 0
     except CycloptsError as error:

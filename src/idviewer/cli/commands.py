@@ -1,4 +1,4 @@
-"""What the verbs do once their words are understood. Heavy modules are imported where they are used."""
+"""What the verbs do once their arguments are understood. Heavy modules are imported where they are used."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import output
-from idviewer.cli import parsing as words
+from idviewer.cli import output, parsing
 from idviewer.cli.options import DisplayOptions, Endpoints, PictureQuery
 
 if TYPE_CHECKING:
@@ -20,10 +19,8 @@ if TYPE_CHECKING:
     from idviewer.session.spectrum_cache import SpectrumCache
     from idviewer.session.state import Frame, Query
 
-    Carried = tuple[Distance, str]
-    """A distance, and the name of the coordinates that carry it inside."""
-
-MOST_ISOLINES = 200
+    ChosenDistance = tuple[Distance, str]
+    """A distance on the boundary, and the name of the coordinates that interpolate it inside."""
 
 
 def cache_of(no_cache: bool) -> SpectrumCache | None:
@@ -33,47 +30,55 @@ def cache_of(no_cache: bool) -> SpectrumCache | None:
     return None if no_cache else SpectrumCache.of_user()
 
 
-def pair(
-    ends: Endpoints, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
+def distance_of_pair(
+    endpoints: Endpoints,
+    shape: Callable[[], Shape],
+    chosen: ChosenDistance,
+    cache: SpectrumCache | None,
+    json: bool,
 ) -> str:
     """The distance of two points, in words or JSON."""
-    asked = {"--from": ends.from_ or "", "--to": ends.to or ""}
-    for option, text in asked.items():
-        words.point_of(text, option)  # before a large file is read
+    texts = {"--from": endpoints.from_ or "", "--to": endpoints.to or ""}
+    for option, text in texts.items():
+        parsing.point_of(text, option)  # before a large file is read
     body = shape()
-    points = [words.point_of(text, option, body.dimension) for option, text in asked.items()]
-    made = solver_of(body, kind, cache)
-    _refuse_outside(made, points, list(asked))
-    inside, straight = float(made.distance(points[:1], points[1:])[0]), math.dist(*points)
-    tell_remarks(remarks_of(made))
+    points = [parsing.point_of(text, option, body.dimension) for option, text in texts.items()]
+    solver = solver_of(body, chosen, cache)
+    _refuse_outside(solver, points, list(texts))
+    inside, straight = float(solver.distance(points[:1], points[1:])[0]), math.dist(*points)
+    print_remarks(remarks_on_weights(solver))
     if json:
-        content = {**kind_of(made), "from": points[0], "to": points[1]}
+        content = {**distance_as_json(solver), "from": points[0], "to": points[1]}
         return output.as_json({**content, "interior": inside, "euclidean": straight})
-    return f"interior   {inside!r}  ({made.description})\nEuclidean  {straight!r}"
+    return f"interior   {inside!r}  ({solver.description})\nEuclidean  {straight!r}"
 
 
-def many(
-    ends: Endpoints, shape: Callable[[], Shape], kind: Carried, cache: SpectrumCache | None, json: bool
+def distances_from_source(
+    endpoints: Endpoints,
+    shape: Callable[[], Shape],
+    chosen: ChosenDistance,
+    cache: SpectrumCache | None,
+    json: bool,
 ) -> str:
     """The distances of many points from one, as a table or JSON."""
-    words.source_of(ends.source or "")
+    parsing.source_of(endpoints.source or "")
     body = shape()
-    source = words.source_of(ends.source or "", body.dimension)
-    points, lines, header = words.points_in(Path(ends.points or ""), body.dimension)
-    made = solver_of(body, kind, cache)
+    source = parsing.source_of(endpoints.source or "", body.dimension)
+    points, lines, header = parsing.points_in(Path(endpoints.points or ""), body.dimension)
+    solver = solver_of(body, chosen, cache)
     if source is None:
-        source = tuple(made.barycentroid().point.tolist())
-    places = ["--source", *(f"{ends.points}, line {n}" for n in lines)]
-    _refuse_outside(made, [source, *points], places)
-    distances = made.field(source, points).tolist()
-    tell_remarks(remarks_of(made))
+        source = tuple(solver.barycentroid().point.tolist())
+    places = ["--source", *(f"{endpoints.points}, line {n}" for n in lines)]
+    _refuse_outside(solver, [source, *points], places)
+    distances = solver.field(source, points).tolist()
+    print_remarks(remarks_on_weights(solver))
     if json:
-        content = {**kind_of(made), "source": source, "points": points}
+        content = {**distance_as_json(solver), "source": source, "points": points}
         return output.as_json(
             {**content, "interior": distances, "euclidean": [math.dist(source, p) for p in points]}
         )
     rows = [(*point, value) for point, value in zip(points, distances, strict=True)]
-    return output.table((*words.AXES[: body.dimension], "distance"), rows, header)
+    return output.table((*parsing.AXIS_NAMES[: body.dimension], "distance"), rows, header)
 
 
 def _refuse_outside(solver: InteriorDistance, points: Sequence[Point], places: list[str]) -> None:
@@ -95,37 +100,37 @@ def _box(shape: Shape) -> str:
     return f"whose bounding box is {' to '.join(corners)}"
 
 
-def solver_of(shape: Shape, kind: Carried, cache: SpectrumCache | None) -> InteriorDistance:
-    """The solver of a shape, with its eigenpairs read or computed; `tell_remarks` says what it warns of."""
+def solver_of(shape: Shape, chosen: ChosenDistance, cache: SpectrumCache | None) -> InteriorDistance:
+    """The solver of a shape, with its eigenpairs read or computed; `print_remarks` says what it warns of."""
     from idviewer.core import InteriorDistance
     from idviewer.core.steps import finish
     from idviewer.session.eigenpair_source import EigenpairSource
 
-    _tell("computing the embedding; the first run also compiles kernels ...")
-    distance, coordinates = kind
+    _print_progress("computing the embedding; the first run also compiles kernels ...")
+    distance, coordinates = chosen
     pairs = EigenpairSource(cache)
     spectrum = finish(pairs.steps(shape, distance)) if distance.spectral else None
     finish(pairs.keep_steps())
-    tell_remarks(pairs.remarks(shape))
+    print_remarks(pairs.remarks(shape))
     solver = InteriorDistance(shape, distance, coordinates, spectrum=spectrum)
     solver.coordinates.warns = False
     return solver
 
 
-def remarks_of(solver: InteriorDistance) -> tuple[str, ...]:
+def remarks_on_weights(solver: InteriorDistance) -> tuple[str, ...]:
     """What there is to say of the weights that a solver found."""
     from idviewer.core.sampling import remarks_on
 
     return remarks_on(solver.coordinates)
 
 
-def tell_remarks(remarks: Sequence[str]) -> None:
+def print_remarks(remarks: Sequence[str]) -> None:
     """One line each on standard error."""
     for remark in remarks:
         print(f"idviewer: {remark}", file=sys.stderr)
 
 
-def kind_of(solver: InteriorDistance) -> dict[str, Any]:
+def distance_as_json(solver: InteriorDistance) -> dict[str, Any]:
     """The distance's name, the values of its parameters, and the coordinates' name, for JSON."""
     from idviewer.core.distances import values_of
 
@@ -138,56 +143,58 @@ def kind_of(solver: InteriorDistance) -> dict[str, Any]:
     }
 
 
-def check(asked: PictureQuery, looks: DisplayOptions) -> None:
+def check_picture(picture: PictureQuery, options: DisplayOptions) -> None:
     """Refuses what cannot be drawn, before anything is read or computed."""
-    words.source_of(asked.source)
-    words.size_of(looks.size)
-    if not 0 <= looks.isolines <= MOST_ISOLINES:
-        raise ValueError(f"--isolines {looks.isolines}: 0 to {MOST_ISOLINES} can be drawn")
-    if not 0.0 <= looks.opacity <= 1.0:
-        raise ValueError(f"--opacity {looks.opacity}: it lies between 0 (not seen) and 1")
+    from idviewer.session.state import MAX_ISOLINES
+
+    parsing.source_of(picture.source)
+    parsing.size_of(options.size)
+    if not 0 <= options.isolines <= MAX_ISOLINES:
+        raise ValueError(f"--isolines {options.isolines}: 0 to {MAX_ISOLINES} can be drawn")
+    if not 0.0 <= options.opacity <= 1.0:
+        raise ValueError(f"--opacity {options.opacity}: it lies between 0 (not seen) and 1")
 
 
-def draw(
+def draw_picture(
     shape: Shape,
     out: Path,
-    kind: Carried,
-    asked: PictureQuery,
-    looks: DisplayOptions,
+    chosen: ChosenDistance,
+    picture: PictureQuery,
+    options: DisplayOptions,
     cache: SpectrumCache | None,
 ) -> None:
     """Computes a picture and writes it."""
-    words.need_picture_libraries()
+    parsing.need_picture_libraries()
     from idviewer.session.state import Display, State
     from idviewer.view.images import write_image
 
-    query = query_of(shape, kind, asked)
-    display = Display(isolines=looks.isolines, colormap=looks.colormap, opacity=looks.opacity)
+    query = query_of(shape, chosen, picture)
+    display = Display(isolines=options.isolines, colormap=options.colormap, opacity=options.opacity)
     frame = frame_of(shape, query, cache)
-    for text, section in zip(asked.plane, frame.slices, strict=False):
+    for text, section in zip(picture.plane, frame.slices, strict=False):
         if not len(section.points):
             raise ValueError(f"--plane {text}: the plane misses the body, {_box(shape)}")
     state = State(shape, frame.query, display)
     try:
-        write_image(out, state, frame, words.size_of(looks.size), transparent=looks.transparent)
+        write_image(out, state, frame, parsing.size_of(options.size), transparent=options.transparent)
     except RuntimeError as error:
         raise OSError(str(error)) from error
-    tell_remarks(frame.remarks)
+    print_remarks(frame.remarks)
 
 
-def query_of(shape: Shape, kind: Carried, asked: PictureQuery) -> Query:
+def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Query:
     """What a picture is to show, checked against the shape."""
     from idviewer.core import Plane
     from idviewer.session.state import Query
 
-    if shape.dimension == 2 and asked.plane:
-        raise ValueError(f"--plane {asked.plane[0]}: a polygon is shown whole; leave the plane out")
-    planes = tuple(Plane.parse(plane, shape.bounds) for plane in asked.plane)
-    source = words.source_of(asked.source, shape.dimension)
+    if shape.dimension == 2 and picture.plane:
+        raise ValueError(f"--plane {picture.plane[0]}: a polygon is shown whole; leave the plane out")
+    planes = tuple(Plane.parse(plane, shape.bounds) for plane in picture.plane)
+    source = parsing.source_of(picture.source, shape.dimension)
     if source is not None:
         source = (*source, 0.0)[:3]
-    distance, coordinates = kind
-    return Query(planes, source, distance, asked.quantity, coordinates)  # type: ignore[arg-type]
+    distance, coordinates = chosen
+    return Query(planes, source, distance, picture.quantity, coordinates)  # type: ignore[arg-type]
 
 
 def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:
@@ -207,20 +214,20 @@ def _finest(pipeline: Pipeline, shape: Shape, query: Query) -> Frame:
     """The exact frame of a query; a person who waits at a terminal is told the stages."""
     from idviewer.session.state import Failure, Frame, FrameRequest, Progress
 
-    frame, told = None, ""
+    frame, last_stage = None, ""
     for result in pipeline.results(FrameRequest(shape, query)):
         if isinstance(result, Failure):
             raise result.error
         if frame is not None and frame.exact and frame.query == query and isinstance(result, Progress):
             break  # what follows is for frames to come
-        if isinstance(result, Progress) and result.stage != told:
-            told = result.stage
-            _tell(f"{told} ...")
+        if isinstance(result, Progress) and result.stage != last_stage:
+            last_stage = result.stage
+            _print_progress(f"{last_stage} ...")
         frame = result if isinstance(result, Frame) else frame
     assert frame is not None
     return frame
 
 
-def _tell(progress: str) -> None:
+def _print_progress(progress: str) -> None:
     if sys.stderr.isatty():
         print(f"idviewer: {progress}", file=sys.stderr)

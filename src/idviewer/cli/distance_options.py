@@ -1,4 +1,4 @@
-"""Which distance and coordinates words stand for, and the help on all there are: from the registries."""
+"""Distances and coordinates by their names on the command line, and the help on all: from the registries."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from idviewer.cli.options import Kind
+    from idviewer.cli.options import DistanceOptions
     from idviewer.core import Distance
     from idviewer.core.distances import Parameter
 
-WIDTH = 78
+HELP_WIDTH = 78
 """Of the help, in characters."""
 
 
-def distance_of(kind: Kind) -> Distance:
+def distance_of(options: DistanceOptions) -> Distance:
     """The distance of that name, with those parameters.
 
     Raises:
@@ -25,13 +25,13 @@ def distance_of(kind: Kind) -> Distance:
     from idviewer.core import DISTANCES, parameters_of
     from idviewer.core.distances import File, missing
 
-    name = kind.distance
+    name = options.distance
     if name not in DISTANCES:
         raise ValueError(f"--distance {name}: there is no such distance; there are: {', '.join(DISTANCES)}")
     parameters, values = parameters_of(DISTANCES[name]), {}
-    for option, parameter, text in _settings(kind):
+    for option, parameter, text in _settings(options):
         if parameter not in parameters:
-            raise ValueError(f"{option}: {name} has no {parameter}; {_instead(name, parameter)}")
+            raise ValueError(f"{option}: {name} has no {parameter}; {_alternatives(name, parameter)}")
         values[parameter] = _value(option, parameters[parameter], text)
         try:
             made = DISTANCES[name](**values)
@@ -46,7 +46,7 @@ def distance_of(kind: Kind) -> Distance:
     return made
 
 
-def carried_by(kind: Kind) -> tuple[Distance, str]:
+def chosen_distance(options: DistanceOptions) -> tuple[Distance, str]:
     """The distance of that name, with those parameters, and the name of the coordinates that carry it.
 
     Raises:
@@ -55,25 +55,25 @@ def carried_by(kind: Kind) -> tuple[Distance, str]:
     """
     from idviewer.core import COORDINATES
 
-    distance = distance_of(kind)
-    if kind.coordinates not in COORDINATES:
+    distance = distance_of(options)
+    if options.coordinates not in COORDINATES:
         raise ValueError(
-            f"--coordinates {kind.coordinates}: there are no such coordinates; "
+            f"--coordinates {options.coordinates}: there are no such coordinates; "
             f"there are: {', '.join(COORDINATES)}"
         )
-    return distance, kind.coordinates
+    return distance, options.coordinates
 
 
-def _settings(kind: Kind) -> list[tuple[str, str, str]]:
+def _settings(options: DistanceOptions) -> list[tuple[str, str, str]]:
     """What is to be set: the option as written, the parameter's name, the value's text."""
     settings = []
-    for text in kind.set:
+    for text in options.set:
         name, equals, value = text.partition("=")
         if not equals:
             raise ValueError(f"--set {text}: write NAME=VALUE, such as --set time=0.1")
         settings.append((f"--set {text}", name.strip(), value))
-    if kind.time is not None:
-        settings.append((f"--time {kind.time:g}", "time", repr(kind.time)))
+    if options.time is not None:
+        settings.append((f"--time {options.time:g}", "time", repr(options.time)))
     return settings
 
 
@@ -84,7 +84,7 @@ def _value(option: str, parameter: Parameter, text: str) -> Any:
         raise ValueError(f"{option}: {error}") from error
 
 
-def _instead(name: str, parameter: str) -> str:
+def _alternatives(name: str, parameter: str) -> str:
     """What else to write than a parameter that the distance does not have."""
     from idviewer.core import DISTANCES, parameters_of
 
@@ -94,7 +94,7 @@ def _instead(name: str, parameter: str) -> str:
     return f"its parameters: {', '.join(parameters_of(DISTANCES[name])) or 'none'}"
 
 
-def all_in_words() -> str:
+def distances_help() -> str:
     """Every distance with its parameters, and all coordinates, for the end of a verb's help."""
     from idviewer.core import COORDINATES, DISTANCES, parameters_of
 
@@ -103,7 +103,7 @@ def all_in_words() -> str:
         lines.append(f"  {name:<13}{kind.title}")
         for parameter, one in parameters_of(kind).items():
             told = f"{parameter}: {one.help}; {one.in_words()}"
-            lines += wrap(told, WIDTH, initial_indent=" " * 17, subsequent_indent=" " * 19)
+            lines += wrap(told, HELP_WIDTH, initial_indent=" " * 17, subsequent_indent=" " * 19)
     lines.append("Coordinates (--coordinates NAME):")
     lines += [f"  {name:<17}{kind.title}" for name, kind in COORDINATES.items()]
     return "\n".join(lines)

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 Flag = Annotated[bool, Parameter(negative="", show_default=False)]
 PointText = Annotated[str | None, Parameter(allow_leading_hyphen=True, metavar="X,Y[,Z]")]
-SOURCE = Parameter(allow_leading_hyphen=True, metavar="X,Y[,Z]|barycentroid")
+SOURCE_OPTION = Parameter(allow_leading_hyphen=True, metavar="X,Y[,Z]|barycentroid")
 PlaneTexts = Annotated[
     tuple[str, ...],
     Parameter(
@@ -27,7 +27,7 @@ Component = Annotated[int | None, Parameter(metavar="N")]
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Kind:
+class DistanceOptions:
     """Which distance is carried inside, and by what.
 
     Attributes:
@@ -54,7 +54,7 @@ class PictureQuery:
         quantity: The distance from the source, or the barycentroid's potential U.
     """
 
-    source: Annotated[str, SOURCE] = "barycentroid"
+    source: Annotated[str, SOURCE_OPTION] = "barycentroid"
     plane: PlaneTexts = ()
     quantity: Literal["distance", "potential"] = "distance"
 
@@ -93,5 +93,5 @@ class Endpoints:
 
     from_: Annotated[PointText, Parameter(name="--from")] = None
     to: PointText = None
-    source: Annotated[str | None, SOURCE] = None
+    source: Annotated[str | None, SOURCE_OPTION] = None
     points: Annotated[Path | None, Parameter(metavar="FILE.csv")] = None

@@ -1,4 +1,4 @@
-"""What the command line's words stand for: shapes, points, sizes, tables. And whether a window can be opened.
+"""Parsing of the command line: shapes, points, sizes, tables. And whether a window can be opened.
 
 Every error is a ValueError or an OSError whose message is the line that the user gets to read.
 """
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from idviewer.core import Shape
 
 BARYCENTROID = "barycentroid"
-LARGEST_SIZE = 8192
+MAX_PICTURE_SIDE_PX = 8192
 """Of a picture, in pixels; what every OpenGL can draw in one piece."""
 
 Point = tuple[float, ...]
 """Three coordinates, or two in a polygon."""
 
-AXES = ("x", "y", "z")
-NUMBERS = {2: "two", 3: "three"}
+AXIS_NAMES = ("x", "y", "z")
+COUNT_WORDS = {2: "two", 3: "three"}
 
 WINDOW_LIBRARIES = {
     "libGL.so.1": "libgl1",
@@ -74,10 +74,11 @@ def point_of(text: str, option: str, dimension: int | None = None) -> Point:
         return point
     example = f"such as {option} {'0.1,-0.2' if dimension == 2 else '0.1,-0.2,0.3'}"
     if dimension is None or _numbers(cells, len(cells)) is None:
-        wanted = "two or three" if dimension is None else NUMBERS[dimension]
+        wanted = "two or three" if dimension is None else COUNT_WORDS[dimension]
         raise ValueError(f"{option} {text}: not a point; write {wanted} numbers, {example}")
     raise ValueError(
-        f"{option} {text}: not a point of a {dimension}D shape; write {NUMBERS[dimension]} numbers, {example}"
+        f"{option} {text}: not a point of a {dimension}D shape; "
+        f"write {COUNT_WORDS[dimension]} numbers, {example}"
     )
 
 
@@ -98,14 +99,14 @@ def size_of(text: str) -> tuple[int, int]:
             f"--size {text}: not a size; write width and height in pixels, such as --size 1280x840"
         )
     width, height = map(int, parts)
-    if not (1 <= width <= LARGEST_SIZE and 1 <= height <= LARGEST_SIZE):
-        raise ValueError(f"--size {text}: a picture has 1 to {LARGEST_SIZE} pixels a side")
+    if not (1 <= width <= MAX_PICTURE_SIDE_PX and 1 <= height <= MAX_PICTURE_SIDE_PX):
+        raise ValueError(f"--size {text}: a picture has 1 to {MAX_PICTURE_SIDE_PX} pixels a side")
     return width, height
 
 
 def points_in(path: Path, dimension: int) -> tuple[list[Point], list[int], bool]:
     """Points of a CSV file, one column an axis; the line of each; whether a header names the columns."""
-    axes = AXES[:dimension]
+    axes = AXIS_NAMES[:dimension]
     columns = ",".join(axes)
     points: list[Point] = []
     lines: list[int] = []
@@ -123,7 +124,7 @@ def points_in(path: Path, dimension: int) -> tuple[list[Point], list[int], bool]
                 elif any(cell.strip() for cell in row):
                     raise ValueError(
                         f"{path}, line {rows.line_num}: {','.join(row)[:60]!r} is not "
-                        f"{NUMBERS[dimension]} numbers {columns}"
+                        f"{COUNT_WORDS[dimension]} numbers {columns}"
                     )
     except (UnicodeDecodeError, csv.Error) as error:
         raise ValueError(f"{path}: not a CSV file with the columns {columns} ({error})") from error

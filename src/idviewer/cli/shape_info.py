@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from idviewer.core import Polygon
     from idviewer.core.shapes import Diagnosis
 
-WIDTH = 16
+TITLE_WIDTH = 16
 
 
 def is_polygon(path: Path) -> bool:
@@ -72,7 +72,7 @@ def _holes(made: Polygon) -> str:
 
 
 def _line(title: str, value: str) -> str:
-    return f"  {title:<{WIDTH}}{value}"
+    return f"  {title:<{TITLE_WIDTH}}{value}"
 
 
 def _box(corners: Iterable[Iterable[float]]) -> str:
@@ -81,17 +81,17 @@ def _box(corners: Iterable[Iterable[float]]) -> str:
 
 
 def _report(name: str, diagnosis: Diagnosis) -> str:
-    lines = [name, *(f"  {title:<{WIDTH}}{value}" for title, value in _sizes(diagnosis))]
+    lines = [name, *(f"  {title:<{TITLE_WIDTH}}{value}" for title, value in _sizes(diagnosis))]
     for finding in diagnosis.findings:
         fate = (
             finding.remedy or "cannot be mended"
             if finding.fatal
             else f"is {finding.repair} when it is opened"
         )
-        lines.append(f"  {'problem' if finding.fatal else 'note':<{WIDTH}}{finding.message}; {fate}")
+        lines.append(f"  {'problem' if finding.fatal else 'note':<{TITLE_WIDTH}}{finding.message}; {fate}")
     if not diagnosis.findings:
-        lines.append(f"  {'faults':<{WIDTH}}none")
-    lines.append(f"  {'usable':<{WIDTH}}{'yes' if diagnosis.usable else 'no'}")
+        lines.append(f"  {'faults':<{TITLE_WIDTH}}none")
+    lines.append(f"  {'usable':<{TITLE_WIDTH}}{'yes' if diagnosis.usable else 'no'}")
     return "\n".join(lines)
 
 

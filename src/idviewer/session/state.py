@@ -39,6 +39,10 @@ class Query:
     coordinates: str = "mean_value"
 
 
+MAX_ISOLINES = 200
+"""Of a picture: more of them merge."""
+
+
 @dataclass(frozen=True)
 class Display:
     """How to look at it; nothing here makes the pipeline compute anything.

@@ -13,28 +13,28 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow
 
 from idviewer.view.polydata import Place, as_cells, layer
-from idviewer.view.shaders import BACK, GLASS, MASK, VEIL
+from idviewer.view.shaders import BACK_DEPTH_RANGE, DEPTH_ONLY, GLASS_SURFACE, TRANSLUCENT_SURFACE
 
 if TYPE_CHECKING:
     from idviewer.core import Mesh
 
-FAINT = 0.35
+MAX_TRANSLUCENT_OPACITY = 0.35
 """Up to this opacity, all of the body's front faces are seen, one through the other."""
-SOLIDIFIES = 0.7
+MIN_HIDING_OPACITY = 0.7
 """The opacity from which the body begins to hide what is in it."""
-FEATURE_ANGLE = 50.0
+FEATURE_ANGLE_DEGREES = 50.0
 """Edges sharper than this, in degrees, are shown as edges."""
 
 
-def clearness(opacity: float) -> float:
+def transparency(opacity: float) -> float:
     """How well the inside is seen through the body: 1 through glass, less where it turns solid.
 
     0 where there is nothing to see through, as the body is solid, or is not there at all.
 
-    >>> clearness(0.0), clearness(0.5), clearness(1.0)
+    >>> transparency(0.0), transparency(0.5), transparency(1.0)
     (0.0, 1.0, 0.0)
     """
-    return float(np.clip((1.0 - opacity) / (1.0 - SOLIDIFIES), 0.0, 1.0)) if opacity > 0.0 else 0.0
+    return float(np.clip((1.0 - opacity) / (1.0 - MIN_HIDING_OPACITY), 0.0, 1.0)) if opacity > 0.0 else 0.0
 
 
 class BodyActor:
@@ -44,7 +44,7 @@ class BodyActor:
     blended in no particular order. What opacity there is beyond that is given to the nearest ones alone.
 
     Attributes:
-        veils: all front faces.
+        translucent: all front faces.
         mask: the depth of the nearest ones.
         shell: the nearest ones.
     """
@@ -52,23 +52,27 @@ class BodyActor:
     def __init__(self, renderer: vtkRenderer) -> None:
         self._surface = vtkPolyData()
         self._normals = vtkPolyDataNormals()
-        self._normals.SetFeatureAngle(FEATURE_ANGLE)
+        self._normals.SetFeatureAngle(FEATURE_ANGLE_DEGREES)
         self._normals.SplittingOn()
         self._normals.ConsistencyOff()  # the core has turned every triangle outwards
-        self.veils, self.mask, self.shell = (layer(self._surface, lit=True) for _ in range(3))
-        for actor, shader in ((self.veils, VEIL), (self.mask, MASK), (self.shell, GLASS)):
-            shader.on(BACK).install(actor)
+        self.translucent, self.mask, self.shell = (layer(self._surface, lit=True) for _ in range(3))
+        for actor, shader in (
+            (self.translucent, TRANSLUCENT_SURFACE),
+            (self.mask, DEPTH_ONLY),
+            (self.shell, GLASS_SURFACE),
+        ):
+            shader.in_depth_range(BACK_DEPTH_RANGE).install(actor)
             actor.GetProperty().SetInterpolationToPhong()
             # The far wall would only cloud what is inside.
             actor.GetProperty().BackfaceCullingOn()
         self._opacity = 0.0
-        _leave_no_depth(self.veils, renderer)
+        _leave_no_depth(self.translucent, renderer)
         self.show_mesh(None, Place())
 
     @property
     def actors(self) -> tuple[vtkActor, vtkActor, vtkActor]:
         """In the order in which they must be drawn."""
-        return self.veils, self.mask, self.shell
+        return self.translucent, self.mask, self.shell
 
     def show_mesh(self, mesh: Mesh | None, place: Place) -> None:
         """Shows another mesh, or none."""
@@ -90,10 +94,10 @@ class BodyActor:
         """From 0, not to be seen, to 1, solid."""
         self._opacity = opacity
         shown = self._surface.GetNumberOfCells() > 0
-        faint = min(opacity, FAINT)
+        faint = min(opacity, MAX_TRANSLUCENT_OPACITY)
         rest = (opacity - faint) / (1.0 - faint)
-        self.veils.GetProperty().SetOpacity(faint)
-        self.veils.SetVisibility(shown and 0.0 < opacity < 1.0)
+        self.translucent.GetProperty().SetOpacity(faint)
+        self.translucent.SetVisibility(shown and 0.0 < opacity < 1.0)
         self.shell.GetProperty().SetOpacity(rest)
         self.shell.SetVisibility(shown and rest > 0.0)
         self.mask.SetVisibility(shown and rest > 0.0)

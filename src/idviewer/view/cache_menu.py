@@ -10,14 +10,14 @@ from PySide6.QtWidgets import QMenu
 from idviewer.core.memory import bytes_in_words
 from idviewer.session.spectrum_cache import SpectrumCache
 
-UNUSED = "The program was started without a cache"
+NO_CACHE_TIP = "The program was started without a cache"
 
 
-def show_size(action: QAction, cache: SpectrumCache | None) -> None:
+def show_cache_size(action: QAction, cache: SpectrumCache | None) -> None:
     """Has a menu's line tell the cache's size whenever the menu opens; without a cache, disables it."""
     if cache is None:
         action.setEnabled(False)
-        action.setToolTip(UNUSED)
+        action.setToolTip(NO_CACHE_TIP)
         return
     action.setToolTip(f"Eigenpairs of shapes seen before, in {cache.folder}")
     menu, text = action.parent(), action.text()
@@ -25,7 +25,7 @@ def show_size(action: QAction, cache: SpectrumCache | None) -> None:
     menu.aboutToShow.connect(lambda: action.setText(f"{text} ({in_words(cache.size)})"))
 
 
-def clear(cache: SpectrumCache | None, tell: Callable[[str], object]) -> None:
+def clear_cache(cache: SpectrumCache | None, tell: Callable[[str], object]) -> None:
     """Clears the cache and tells what that freed."""
     if cache is None:
         return

@@ -14,12 +14,12 @@ from idviewer.core.shapes import Ray
 Vector = NDArray[np.float64]
 View = Literal["front", "back", "left", "right", "top", "bottom"]
 
-AXES = np.eye(3)
-MARGIN = 1.08
+UNIT_VECTORS = np.eye(3)
+FILL_MARGIN = 1.08
 """Free space around a shape that fills the window."""
-ANGLE = 30.0
+VIEW_ANGLE_DEGREES = 30.0
 """Vertical field of view in degrees; in a parallel projection, that of the focal point's depth."""
-NEAREST, FARTHEST = 0.02, 20.0
+NEAREST_IN_DIAGONALS, FARTHEST_IN_DIAGONALS = 0.02, 20.0
 """How near and how far the eye may go, in lengths of the bounding box's diagonal."""
 
 
@@ -39,7 +39,7 @@ class Pose:
     @property
     def half_height(self) -> float:
         """Of what a picture shows at the focal point's depth, and at any depth in a parallel projection."""
-        return self.distance * float(np.tan(np.radians(ANGLE / 2)))
+        return self.distance * float(np.tan(np.radians(VIEW_ANGLE_DEGREES / 2)))
 
     @property
     def axes(self) -> tuple[Vector, Vector, Vector]:
@@ -133,7 +133,7 @@ def nearest_axis(vector: ArrayLike) -> Vector:
     """
     vector = np.asarray(vector, float)
     largest = int(np.argmax(np.abs(vector)))
-    return AXES[largest] * np.sign(vector[largest])
+    return UNIT_VECTORS[largest] * np.sign(vector[largest])
 
 
 def orbit(pose: Pose, pole: Vector, yaw: float, pitch: float) -> Pose:
@@ -158,7 +158,10 @@ def zoom(pose: Pose, factor: float, fixed: Vector, size: float) -> Pose:
 
     factor multiplies the distance; size is the shape's, and bounds how near and how far the eye may go.
     """
-    factor = float(np.clip(pose.distance * factor, NEAREST * size, FARTHEST * size)) / pose.distance
+    factor = (
+        float(np.clip(pose.distance * factor, NEAREST_IN_DIAGONALS * size, FARTHEST_IN_DIAGONALS * size))
+        / pose.distance
+    )
     position, focal = (fixed + factor * (point - fixed) for point in (pose.position, pose.focal))
     return Pose(position, focal, pose.up)
 
@@ -175,7 +178,7 @@ def upright(direction: Vector, pole: Vector) -> Vector:
 
 def view_direction(view: View, pole: Vector) -> Vector:
     """Where an axis view looks to, for shapes that stand along the pole: -z for front if y is up."""
-    right = AXES[1] if abs(pole[0]) > 0.5 else AXES[0]
+    right = UNIT_VECTORS[1] if abs(pole[0]) > 0.5 else UNIT_VECTORS[0]
     front = cross(pole, right)  # from the shape's front into the picture
     ways = {"front": front, "right": -right, "top": -pole, "back": -front, "left": right, "bottom": pole}
     return ways[view]
@@ -193,6 +196,6 @@ def look(direction: Vector, up: Vector, points: Vector, angle: float, aspect: fl
     middle = (extent.min(0) + extent.max(0)) / 2
     wide, tall, near = (extent - middle).T
     tangent = np.tan(angle / 2)
-    distance = near + MARGIN * np.maximum(np.abs(wide) / (tangent * aspect), np.abs(tall) / tangent)
+    distance = near + FILL_MARGIN * np.maximum(np.abs(wide) / (tangent * aspect), np.abs(tall) / tangent)
     focal = corner + middle @ axes
     return Pose(focal + distance.max() * axes[2], focal, axes[1])

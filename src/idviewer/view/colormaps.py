@@ -13,13 +13,13 @@ from scipy.interpolate import PchipInterpolator
 COLORMAPS: dict[str, str] = {"paper": "Blue to red (as in the paper)", "even": "Perceptually even"}
 """Names of the colour maps, and their titles for menus."""
 
-SIZE = 256
+TABLE_SIZE = 256
 """Colours in a table."""
-UNKNOWN = (0.62, 0.62, 0.62)
+UNKNOWN_COLOR = (0.62, 0.62, 0.62)
 """The grey of a value that is not known (NaN)."""
 
 # Dark blue, blue, cyan, green, yellow, red, dark red: the order of the paper's figures.
-_PAPER = np.array(
+_PAPER_COLORS = np.array(
     [
         [0.06, 0.07, 0.50],
         [0.11, 0.31, 0.88],
@@ -48,10 +48,10 @@ def colors(name: str) -> NDArray[np.uint8]:
     >>> colors("paper")[[0, -1]].tolist()
     [[15, 18, 128], [133, 8, 15]]
     """
-    levels = np.linspace(0.0, 1.0, SIZE)
+    levels = np.linspace(0.0, 1.0, TABLE_SIZE)
     if name == "paper":
         # Monotone pieces between the given colours: smooth, and no channel overshoots.
-        rgb = PchipInterpolator(np.linspace(0.0, 1.0, len(_PAPER)), _PAPER)(levels)
+        rgb = PchipInterpolator(np.linspace(0.0, 1.0, len(_PAPER_COLORS)), _PAPER_COLORS)(levels)
     elif name == "even":
         rgb = matplotlib_colormaps["viridis"](levels)[:, :3]
     else:
@@ -71,7 +71,7 @@ def lookup_table(name: str) -> pv.LookupTable:
         ValueError: there is no such map.
     """
     table = pv.LookupTable()
-    table.values = np.column_stack([colors(name), np.full(SIZE, 255, np.uint8)])
+    table.values = np.column_stack([colors(name), np.full(TABLE_SIZE, 255, np.uint8)])
     table.scalar_range = (0.0, 1.0)
-    table.nan_color = UNKNOWN
+    table.nan_color = UNKNOWN_COLOR
     return table

@@ -18,24 +18,24 @@ from numpy.typing import NDArray
 from idviewer.core import Plane
 from idviewer.view.camera import Projection, cross, rotate, unit
 
-RADIUS = 64.0
+RING_RADIUS_PX = 64.0
 """The ring's, in pixels."""
-ARROW = 1.6
+ARROW_HALF_LENGTH = 1.6
 """The arrow's half length, in ring radii."""
-GAP, ARROW_GAP = 0.22, 0.42
+MOVE_RING_RADIUS, ARROW_START = 0.22, 0.42
 """The small ring's radius and where the arrow begins, in ring radii; the middle is free for the source."""
-FARTHEST = 2.2
+MAX_PART_DISTANCE = 2.2
 """No part is farther from the middle on the screen, in ring radii, also where it comes near to the eye."""
-REACH = 7.0
+GRAB_DISTANCE_PX = 7.0
 """How near, in pixels, the mouse must be to a part."""
-FORESHORTENED = 0.2
+MIN_ARROW_SINE = 0.2
 """Below this sine between the line of sight and the normal, the arrow would be a dot, and there is none."""
 
-_TURN = np.linspace(0.0, 2 * np.pi, 73)
-_SNAPS = np.array(
+_RING_ANGLES = np.linspace(0.0, 2 * np.pi, 73)
+_SNAP_NORMALS = np.array(
     [[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) != (0, 0, 0)], float
 )
-_SNAPS /= np.linalg.norm(_SNAPS, axis=1, keepdims=True)
+_SNAP_NORMALS /= np.linalg.norm(_SNAP_NORMALS, axis=1, keepdims=True)
 
 
 class Part(Enum):
@@ -68,18 +68,18 @@ class Handle:
     @cached_property
     def radius(self) -> float:
         """The ring's, in the mesh's unit."""
-        return RADIUS * self.projection.pixel_size(self.origin)
+        return RING_RADIUS_PX * self.projection.pixel_size(self.origin)
 
     @cached_property
     def ring(self) -> NDArray[np.float64]:
         """(73, 3) positions around the ring; the last is the first."""
-        circle = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) @ np.asarray(self.plane.basis)
+        circle = np.column_stack([np.cos(_RING_ANGLES), np.sin(_RING_ANGLES)]) @ np.asarray(self.plane.basis)
         return self.origin + self.radius * circle
 
     @cached_property
     def arrow(self) -> NDArray[np.float64]:
         """(2, 3) positions of its ends; the normal points to the second."""
-        return self.origin + np.outer([-1.0, 1.0], ARROW * self.radius * self.normal)
+        return self.origin + np.outer([-1.0, 1.0], ARROW_HALF_LENGTH * self.radius * self.normal)
 
     @cached_property
     def sight(self) -> NDArray[np.float64]:
@@ -91,20 +91,23 @@ class Handle:
     @cached_property
     def foreshortened(self) -> bool:
         """Whether the arrow would point so much to the eye that it hid the middle."""
-        return float(np.linalg.norm(cross(self.sight[2], self.normal))) < FORESHORTENED
+        return float(np.linalg.norm(cross(self.sight[2], self.normal))) < MIN_ARROW_SINE
 
     def part_at(self, x: float, y: float) -> Part | None:
         """The part under the mouse."""
         mouse = np.array([x, y])
         middle = self.projection.project([self.origin])[0]
         away = np.linalg.norm(mouse - middle)
-        if away < GAP * RADIUS + 1:
+        if away < MOVE_RING_RADIUS * RING_RADIUS_PX + 1:
             return Part.MOVE
-        if away > FARTHEST * RADIUS:
+        if away > MAX_PART_DISTANCE * RING_RADIUS_PX:
             return None
-        if not self.foreshortened and _to_polyline(mouse, self.projection.project(self.arrow))[0] < REACH:
+        if (
+            not self.foreshortened
+            and _to_polyline(mouse, self.projection.project(self.arrow))[0] < GRAB_DISTANCE_PX
+        ):
             return Part.PUSH
-        if _to_polyline(mouse, self.projection.project(self.ring))[0] < REACH:
+        if _to_polyline(mouse, self.projection.project(self.ring))[0] < GRAB_DISTANCE_PX:
             return Part.TURN
         return None
 
@@ -129,7 +132,7 @@ class Handle:
         return float((cosine * (direction @ apart) - self.normal @ apart) / (1 - cosine**2))
 
     def _move(self, start: NDArray[np.float64]) -> Drag:
-        edge_on = abs(self.sight[2] @ self.normal) < FORESHORTENED
+        edge_on = abs(self.sight[2] @ self.normal) < MIN_ARROW_SINE
         facing = self.sight[2] if edge_on else self.normal
 
         def shift(x: float, y: float, snap: bool = False) -> Plane:
@@ -144,11 +147,11 @@ class Handle:
         start, direction = np.array(ray.origin), np.array(ray.direction)
         # A ray that (almost) misses the plane would send the handle to the horizon.
         slope = float(direction @ facing)
-        slope = math.copysign(max(abs(slope), FORESHORTENED / 4), slope)
+        slope = math.copysign(max(abs(slope), MIN_ARROW_SINE / 4), slope)
         return start + (facing @ (self.origin - start)) / slope * direction
 
     def _turn(self, start: NDArray[np.float64]) -> Drag:
-        """The grabbed point of the ring moves on a sphere around the origin, laid flat on the screen.
+        """The grabbed point of the ring moves on a sphere around the origin, laid on_disc on the screen.
 
         The map is the azimuthal equidistant one: a ring radius on the screen is a right angle everywhere, so
         the plane turns at one speed, and past the sphere's rim it goes on behind.
@@ -156,11 +159,11 @@ class Handle:
         _, nearest = _to_polyline(start, self.projection.project(self.ring))
         grabbed = self.sight @ unit(self.ring[nearest] - self.origin)
         side = 1.0 if grabbed[2] >= 0 else -1.0
-        flat = _flatten(grabbed, side)
+        on_disc = _to_disc(grabbed, side)
 
         def turn(x: float, y: float, snap: bool = False) -> Plane:
-            moved = flat + (np.array([x, y]) - start) * [1, -1] / RADIUS
-            to = _bend(moved, side)
+            moved = on_disc + (np.array([x, y]) - start) * [1, -1] / RING_RADIUS_PX
+            to = _from_disc(moved, side)
             axis = cross(grabbed, to)
             angle = np.arctan2(np.linalg.norm(axis), grabbed @ to)
             if np.linalg.norm(axis) < 1e-9:  # not moved at all, or to the opposite point, around whatever
@@ -187,18 +190,18 @@ def _to_polyline(point: NDArray[np.float64], line: NDArray[np.float64]) -> tuple
     return float(apart.min()), int(np.argmin(np.linalg.norm(line - point, axis=1)))
 
 
-def _flatten(vector: NDArray[np.float64], side: float) -> NDArray[np.float64]:
+def _to_disc(vector: NDArray[np.float64], side: float) -> NDArray[np.float64]:
     """A unit vector to the disc around the line of sight, seen from the side that it is on."""
     angle = np.arctan2(np.linalg.norm(vector[:2]), side * vector[2])
     return vector[:2] / max(float(np.linalg.norm(vector[:2])), 1e-12) * angle / (np.pi / 2)
 
 
-def _bend(flat: NDArray[np.float64], side: float) -> NDArray[np.float64]:
-    """The inverse of `_flatten`."""
-    radius = float(np.linalg.norm(flat))
+def _from_disc(on_disc: NDArray[np.float64], side: float) -> NDArray[np.float64]:
+    """The inverse of `_to_disc`."""
+    radius = float(np.linalg.norm(on_disc))
     angle = radius * np.pi / 2
-    return np.array([*(flat / max(radius, 1e-12) * np.sin(angle)), side * np.cos(angle)])
+    return np.array([*(on_disc / max(radius, 1e-12) * np.sin(angle)), side * np.cos(angle)])
 
 
 def _snapped(normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    return _SNAPS[np.argmax(_SNAPS @ normal)]
+    return _SNAP_NORMALS[np.argmax(_SNAP_NORMALS @ normal)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout, QWidget
 
-SHEET: dict[str, tuple[tuple[str, str], ...]] = {
+SHORTCUTS: dict[str, tuple[tuple[str, str], ...]] = {
     "Source": (
         ("Click", "put the source there: on the slice, or on the body where there is no slice"),
         ("Shift + click", "on the body, also where a slice is in front"),
@@ -54,21 +54,21 @@ SHEET: dict[str, tuple[tuple[str, str], ...]] = {
 }
 
 
-COLUMNS = (("Source", "Slicing plane", "Polygon"), ("Camera", "Program"))
+SHEET_COLUMNS = (("Source", "Slicing plane", "Polygon"), ("Camera", "Program"))
 """The sheet is no higher than a small screen."""
 
 
 def sheet_html() -> str:
     """The sheet as rich text."""
     columns = "".join(
-        f"<td style='padding-right:36px'>{''.join(map(_part, titles))}</td>" for titles in COLUMNS
+        f"<td style='padding-right:36px'>{''.join(map(_part, titles))}</td>" for titles in SHEET_COLUMNS
     )
     return f"<table cellspacing=0 cellpadding=0><tr>{columns}</tr></table>"
 
 
 def _part(title: str) -> str:
     rows = "".join(
-        f"<tr><td style='padding-right:20px'>{k}</td><td>{what}</td></tr>" for k, what in SHEET[title]
+        f"<tr><td style='padding-right:20px'>{k}</td><td>{what}</td></tr>" for k, what in SHORTCUTS[title]
     )
     return f"<p><b>{title}</b></p><table cellspacing=0 cellpadding=2>{rows}</table>"
 

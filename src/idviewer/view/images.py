@@ -19,8 +19,8 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow, vtkTextureObject
 
 from idviewer.core.io import atomic_path
-from idviewer.view.camera import ANGLE, Pose, look, pan, rotate, unit
-from idviewer.view.flat import DOWN, NORTH, is_flat
+from idviewer.view.camera import VIEW_ANGLE_DEGREES, Pose, look, pan, rotate, unit
+from idviewer.view.polygon_view import UP_2D, VIEW_DIRECTION_2D, is_2d
 from idviewer.view.scene import POINTS_PER_INCH, Scene
 
 if TYPE_CHECKING:
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
 
 Point = tuple[float, float, float]
 Camera = Sequence[Sequence[float]]
-"""Where the eye is, the point it looks at, and the direction of the picture's upper edge."""
+"""Where the camera is, the point it looks at, and the direction of the picture's upper edge."""
 
-WINDOW = (1280, 900)
+WINDOW_SIZE_PX = (1280, 900)
 """A picture of this size looks like the window; in a larger one, lines and letters grow with it."""
-READABLE, ROOM = 0.85, (500, 360)
+MIN_LINE_SCALE, MIN_ROOMY_SIZE_PX = 0.85, (500, 360)
 """In a smaller one they do not shrink further than this, until the scale bar has no room left."""
-OBLIQUE = (20.0, 15.0)
+FIRST_VIEW_DEGREES = (20.0, 15.0)
 """Degrees that the first view of a plane is turned sideways and upwards from its normal, 25 in all."""
-BAR = 150.0
+FREE_BAR_WIDTH_PX = 150.0
 """Width of the scale bar in pixels, kept free by the first view."""
-SAMPLES = 8
+SAMPLES_PER_PIXEL = 8
 """Samples a pixel; a machine that cannot takes fewer."""
 
 
@@ -71,7 +71,7 @@ def image(
         raise ValueError(f"a picture cannot have {size[0]} x {size[1]} pixels")
     scale = _scale(size)
     if camera is None and state.shape is not None:
-        bar = BAR * scale if frame is not None and state.display.scale_bar else 0.0
+        bar = FREE_BAR_WIDTH_PX * scale if frame is not None and state.display.scale_bar else 0.0
         camera = _camera(
             state.shape, frame.query.planes if frame is not None else state.query.planes, size, bar
         )
@@ -82,7 +82,7 @@ def image(
             scene.show_frame(frame)
             _prepare(plotter, transparent)
             if camera is not None:
-                place_camera(plotter.renderer, Pose(*map(np.array, camera)), parallel=is_flat(state.shape))
+                place_camera(plotter.renderer, Pose(*map(np.array, camera)), parallel=is_2d(state.shape))
             return _read(plotter, transparent)
         finally:
             scene.close()
@@ -113,7 +113,7 @@ def write_image(
 
 
 def default_camera(
-    points: NDArray[np.float64], plane: Plane | None, aspect: float = WINDOW[0] / WINDOW[1]
+    points: NDArray[np.float64], plane: Plane | None, aspect: float = WINDOW_SIZE_PX[0] / WINDOW_SIZE_PX[1]
 ) -> tuple[Point, Point, Point]:
     """The first view: the whole body, a little obliquely from the side that the plane's normal points to.
 
@@ -128,29 +128,29 @@ def default_camera(
         Position, focal point and up vector. Up is z, or y where the normal is near z.
     """
     if points.shape[1] == 2:
-        pose = look(DOWN, NORTH, points, np.radians(ANGLE), aspect)
+        pose = look(VIEW_DIRECTION_2D, UP_2D, points, np.radians(VIEW_ANGLE_DEGREES), aspect)
         return _point(pose.position), _point(pose.focal), _point(pose.up)
     normal = np.array(plane.normal if plane is not None else (0.0, -1.0, 0.0))
     up = np.array((0.0, 1.0, 0.0) if abs(normal[2]) > 0.9 else (0.0, 0.0, 1.0))
-    sideways, upwards = np.radians(OBLIQUE)
+    sideways, upwards = np.radians(FIRST_VIEW_DEGREES)
     right = unit(np.cross(up, normal))
-    eye = rotate(rotate(normal, right, -upwards), np.cross(normal, right), sideways)
-    pose = look(-eye, up, points, np.radians(ANGLE), aspect)
+    backwards = rotate(rotate(normal, right, -upwards), np.cross(normal, right), sideways)
+    pose = look(-backwards, up, points, np.radians(VIEW_ANGLE_DEGREES), aspect)
     return _point(pose.position), _point(pose.focal), _point(pose.up)
 
 
 def place_camera(renderer: vtkRenderer, pose: Pose, parallel: bool) -> None:
     """Has a renderer look from there, perspectively or not."""
-    eye = renderer.GetActiveCamera()
-    eye.SetPosition(*pose.position)
-    eye.SetFocalPoint(*pose.focal)
-    eye.SetViewUp(*pose.up)
-    eye.SetViewAngle(ANGLE)
-    eye.SetParallelProjection(parallel)
+    camera = renderer.GetActiveCamera()
+    camera.SetPosition(*pose.position)
+    camera.SetFocalPoint(*pose.focal)
+    camera.SetViewUp(*pose.up)
+    camera.SetViewAngle(VIEW_ANGLE_DEGREES)
+    camera.SetParallelProjection(parallel)
     if parallel:
-        eye.SetParallelScale(pose.half_height)
-        # What is flat has no depth of its own that the range could be taken from.
-        eye.SetClippingRange(0.5 * pose.distance, 1.5 * pose.distance)
+        camera.SetParallelScale(pose.half_height)
+        # A polygon has no depth of its own that the range could be taken from.
+        camera.SetClippingRange(0.5 * pose.distance, 1.5 * pose.distance)
     else:
         renderer.ResetCameraClippingRange()
 
@@ -158,10 +158,10 @@ def place_camera(renderer: vtkRenderer, pose: Pose, parallel: bool) -> None:
 def _camera(shape: Shape, planes: Sequence[Plane], size: tuple[int, int], bar: float) -> Camera:
     """The first view beside a scale bar that takes so many pixels."""
     width, height = size
-    free = bar if is_flat(shape) else 2 * bar  # a body stays in the middle
+    free = bar if is_2d(shape) else 2 * bar  # a body stays in the middle
     aspect = max(width - free, 0.5 * width) / height
     camera = default_camera(shape.vertices, planes[0] if planes else None, aspect)
-    if not is_flat(shape):
+    if not is_2d(shape):
         return camera
     pose = Pose(*map(np.array, camera))
     pose = pan(pose, min(bar, 0.5 * width) * pose.half_height / height, 0.0)
@@ -170,8 +170,10 @@ def _camera(shape: Shape, planes: Sequence[Plane], size: tuple[int, int], bar: f
 
 def _scale(size: tuple[int, int]) -> float:
     """How much larger lines and letters are than in the window."""
-    like_window, roomy = (min(size[0] / width, size[1] / height) for width, height in (WINDOW, ROOM))
-    return max(like_window, min(READABLE, roomy))
+    like_window, roomy = (
+        min(size[0] / width, size[1] / height) for width, height in (WINDOW_SIZE_PX, MIN_ROOMY_SIZE_PX)
+    )
+    return max(like_window, min(MIN_LINE_SCALE, roomy))
 
 
 @contextmanager
@@ -183,7 +185,7 @@ def _plotter(size: tuple[int, int], dpi: int) -> Iterator[pv.Plotter]:
     try:
         window = plotter.render_window
         assert isinstance(window, vtkOpenGLRenderWindow)
-        window.SetMultiSamples(SAMPLES)
+        window.SetMultiSamples(SAMPLES_PER_PIXEL)
         window.SetDPI(dpi)
         window.Initialize()
         # VTK would hand out a black picture.

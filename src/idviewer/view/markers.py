@@ -8,20 +8,27 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 
-from idviewer.view.body_actor import clearness
+from idviewer.view.body_actor import transparency
 from idviewer.view.polydata import as_cells, as_points, layer
-from idviewer.view.shaders import BACK, BALL, BALL_AT_FRONT, FRONT, Shader, set_uniforms
+from idviewer.view.shaders import (
+    BACK_DEPTH_RANGE,
+    BALL,
+    BALL_AT_FRONT,
+    FRONT_DEPTH_RANGE,
+    Shader,
+    set_uniforms,
+)
 
 if TYPE_CHECKING:
     from idviewer.session.state import Frame
 
-BLACK = (0.02, 0.02, 0.03)
-BLUE = (0.10, 0.30, 0.95)
-SOURCE_RADIUS, BARYCENTROID_RADIUS = 5.5, 8.0
+SOURCE_COLOR = (0.02, 0.02, 0.03)
+BARYCENTROID_COLOR = (0.10, 0.30, 0.95)
+SOURCE_RADIUS_PX, BARYCENTROID_RADIUS_PX = 5.5, 8.0
 """In pixels."""
-RIM = 1.4
+RIM_WIDTH_PX = 1.4
 """Width of the white rim in pixels; without it a black dot is lost on dark blue."""
-BEHIND = 0.38
+HIDDEN_BALL_OPACITY = 0.38
 """Opacity of a ball that something hides."""
 
 
@@ -30,8 +37,8 @@ class Markers:
 
     def __init__(self) -> None:
         # The smaller, black one last: it stays visible on the blue one.
-        self._barycentroid = _Ball(BLUE, BARYCENTROID_RADIUS)
-        self._source = _Ball(BLACK, SOURCE_RADIUS)
+        self._barycentroid = _Ball(BARYCENTROID_COLOR, BARYCENTROID_RADIUS_PX)
+        self._source = _Ball(SOURCE_COLOR, SOURCE_RADIUS_PX)
         self._frame: Frame | None = None
         self._with_barycentroid = False
 
@@ -48,16 +55,16 @@ class Markers:
             self._barycentroid.move(frame.barycentroid)
         self._update()
 
-    def set_look(self, barycentroid: bool, opacity: float, scale: float, flat: bool = False) -> None:
+    def set_look(self, barycentroid: bool, opacity: float, scale: float, in_2d: bool = False) -> None:
         """Whether the barycentroid is shown, the opacity of the body around, and device pixels in a pixel.
 
-        On something flat the balls are discs.
+        In 2D the balls are discs.
         """
         self._with_barycentroid = barycentroid
         for ball in (self._source, self._barycentroid):
             ball.resize(scale)
-            ball.set_clearness(clearness(opacity))
-            ball.set_relief(not flat)
+            ball.set_transparency(transparency(opacity))
+            ball.set_relief(not in_2d)
         self._update()
 
     def _update(self) -> None:
@@ -71,9 +78,13 @@ class _Ball:
 
     def __init__(self, color: tuple[float, float, float], radius: float) -> None:
         self._radius = radius
-        shaders = (BALL_AT_FRONT, BALL.on(FRONT), BALL.on(BACK))
+        shaders = (
+            BALL_AT_FRONT,
+            BALL.in_depth_range(FRONT_DEPTH_RANGE),
+            BALL.in_depth_range(BACK_DEPTH_RANGE),
+        )
         self.actors = tuple(_point_actor(color, shader) for shader in shaders)
-        self.actors[0].GetProperty().SetOpacity(BEHIND)
+        self.actors[0].GetProperty().SetOpacity(HIDDEN_BALL_OPACITY)
         self.resize(1.0)
         self.set_relief(True)
         self.set_visible(False)
@@ -83,12 +94,14 @@ class _Ball:
             actor.SetPosition(*position)
 
     def resize(self, scale: float) -> None:
-        half = np.ceil((self._radius + RIM) * scale + 1.0)
+        half = np.ceil((self._radius + RIM_WIDTH_PX) * scale + 1.0)
         for actor in self.actors:
             actor.GetProperty().SetPointSize(2 * half)
-            set_uniforms(actor, ballRadius=self._radius * scale, rimWidth=RIM * scale, spriteRadius=half)
+            set_uniforms(
+                actor, ballRadius=self._radius * scale, rimWidth=RIM_WIDTH_PX * scale, spriteRadius=half
+            )
 
-    def set_clearness(self, share: float) -> None:
+    def set_transparency(self, share: float) -> None:
         self.actors[1].GetProperty().SetOpacity(share)
 
     def set_relief(self, relief: bool) -> None:

@@ -11,26 +11,26 @@ from PySide6.QtWidgets import QMainWindow, QMenu
 
 
 class Entry(NamedTuple):
-    """One line of a menu: `name` is the call it makes, `flat` whether it means something for a polygon."""
+    """One line of a menu: `name` is the call it makes, `in_2d` whether it means something for a polygon."""
 
     name: str
     text: str
     keys: str = ""
-    flat: bool = True
+    in_2d: bool = True
 
 
-FLAT_VIEW = "A polygon is flat and looked straight down on"
-NO_SLICES = "A polygon is flat: all of it is shown, and nothing is sliced"
-LINE, SAMPLES = Entry("", ""), Entry("samples", "Open &sample")
+NO_3D_VIEWS_TIP = "A polygon is in_2d and looked straight down on"
+NO_SLICES_TIP = "A polygon is in_2d: all of it is shown, and nothing is sliced"
+SEPARATOR, SAMPLES_MENU = Entry("", ""), Entry("samples", "Open &sample")
 MENUS: dict[str, tuple[Entry, ...]] = {
     "&File": (
         Entry("open", "&Open…", "Ctrl+O"),
-        SAMPLES,
-        LINE,
+        SAMPLES_MENU,
+        SEPARATOR,
         Entry("picture", "&Save picture…", "Ctrl+S"),
-        LINE,
+        SEPARATOR,
         Entry("clear_cache", "&Clear cache"),
-        LINE,
+        SEPARATOR,
         Entry("quit", "&Quit", "Ctrl+Q"),
     ),
     "&Edit": (
@@ -39,38 +39,38 @@ MENUS: dict[str, tuple[Entry, ...]] = {
     ),
     "&View": (
         Entry("reset", "&Reset view", "R"),
-        LINE,
-        Entry("front", "&Front", "1", flat=False),
-        Entry("back", "&Back", "2", flat=False),
-        Entry("left", "&Left", "3", flat=False),
-        Entry("right", "R&ight", "4", flat=False),
-        Entry("top", "&Top", "5", flat=False),
-        Entry("bottom", "B&ottom", "6", flat=False),
-        Entry("face", "Face the &plane", "0", flat=False),
-        Entry("upright", "Another axis &upwards", "A", flat=False),
-        LINE,
+        SEPARATOR,
+        Entry("front", "&Front", "1", in_2d=False),
+        Entry("back", "&Back", "2", in_2d=False),
+        Entry("left", "&Left", "3", in_2d=False),
+        Entry("right", "R&ight", "4", in_2d=False),
+        Entry("top", "&Top", "5", in_2d=False),
+        Entry("bottom", "B&ottom", "6", in_2d=False),
+        Entry("face", "Face the &plane", "0", in_2d=False),
+        Entry("upright", "Another axis &upwards", "A", in_2d=False),
+        SEPARATOR,
         Entry("handle", "Show or hide the &handles", "H"),
         Entry("controls", "Show &controls", "F9"),
     ),
     "&Slice": (
-        Entry("plane_x", "Normal to &x", "X", flat=False),
-        Entry("plane_y", "Normal to &y", "Y", flat=False),
-        Entry("plane_z", "Normal to &z", "Z", flat=False),
-        Entry("through", "&Through the source", "T", flat=False),
-        LINE,
-        Entry("forward", "Push &forward", "PgUp", flat=False),
-        Entry("backward", "Push &backward", "PgDown", flat=False),
-        Entry("far_forward", "Push far forward", "Shift+PgUp", flat=False),
-        Entry("far_backward", "Push far backward", "Shift+PgDown", flat=False),
-        LINE,
-        Entry("add_plane", "&Add a plane", "Ctrl+N", flat=False),
-        Entry("remove_plane", "&Remove the plane", "Ctrl+Backspace", flat=False),
+        Entry("plane_x", "Normal to &x", "X", in_2d=False),
+        Entry("plane_y", "Normal to &y", "Y", in_2d=False),
+        Entry("plane_z", "Normal to &z", "Z", in_2d=False),
+        Entry("through", "&Through the source", "T", in_2d=False),
+        SEPARATOR,
+        Entry("forward", "Push &forward", "PgUp", in_2d=False),
+        Entry("backward", "Push &backward", "PgDown", in_2d=False),
+        Entry("far_forward", "Push far forward", "Shift+PgUp", in_2d=False),
+        Entry("far_backward", "Push far backward", "Shift+PgDown", in_2d=False),
+        SEPARATOR,
+        Entry("add_plane", "&Add a plane", "Ctrl+N", in_2d=False),
+        Entry("remove_plane", "&Remove the plane", "Ctrl+Backspace", in_2d=False),
     ),
     "&Compute": (
         Entry("at_barycentroid", "&Source at the barycentroid", "Shift+B"),
         Entry("barycentroid", "Show or hide the &barycentroid", "B"),
         Entry("quantity", "Distance or &potential", "U"),
-        LINE,
+        SEPARATOR,
         Entry("cancel", "&Cancel", "Esc"),
         Entry("resume", "Compute &again", "F5"),
     ),
@@ -97,9 +97,9 @@ def fill_menu_bar(
         menu = window.menuBar().addMenu(title)
         menu.setToolTipsVisible(True)
         for entry in entries:
-            if entry is LINE:
+            if entry is SEPARATOR:
                 menu.addSeparator()
-            elif entry is SAMPLES:
+            elif entry is SAMPLES_MENU:
                 _add_samples(menu.addMenu(entry.text), samples, open_sample)
             else:
                 actions[entry.name] = _action(menu, entry, calls[entry.name])
@@ -115,14 +115,14 @@ def _action(menu: QMenu, entry: Entry, call: Callable[[], object]) -> QAction:
     return action
 
 
-def suit(actions: Mapping[str, QAction], flat: bool) -> None:
+def enable_for(actions: Mapping[str, QAction], in_2d: bool) -> None:
     """Disables what means nothing for a polygon, and says why; enables it for a body."""
     for title, entries in MENUS.items():
-        reason = NO_SLICES if title == "&Slice" else FLAT_VIEW
+        reason = NO_SLICES_TIP if title == "&Slice" else NO_3D_VIEWS_TIP
         for entry in entries:
-            if not entry.flat:
-                actions[entry.name].setEnabled(not flat)
-                actions[entry.name].setToolTip(reason if flat else "")
+            if not entry.in_2d:
+                actions[entry.name].setEnabled(not in_2d)
+                actions[entry.name].setToolTip(reason if in_2d else "")
 
 
 def _add_samples(

@@ -18,8 +18,8 @@ from PySide6.QtWidgets import (
 )
 
 Kind = Literal["error", "note"]
-INFORMATION = QStyle.StandardPixmap.SP_MessageBoxInformation
-STYLE = """
+NOTE_ICON = QStyle.StandardPixmap.SP_MessageBoxInformation
+MESSAGE_BAR_STYLE = """
 MessageBar[kind="error"] { background: #fdecea; border-bottom: 1px solid #e3a9a3; }
 MessageBar[kind="note"] { background: #eaf2fb; border-bottom: 1px solid #a9c4e0; }
 MessageBar QLabel { color: #20242a; background: transparent; }
@@ -50,7 +50,7 @@ class MessageBar(QFrame):
         layout.setContentsMargins(12, 6, 8, 6)
         for widget in (self._sign, self._label, self.button, self._dismiss):
             layout.addWidget(widget)
-        self.setStyleSheet(STYLE)
+        self.setStyleSheet(MESSAGE_BAR_STYLE)
         self.hide()
 
     @property
@@ -70,7 +70,7 @@ class MessageBar(QFrame):
         self.setProperty("kind", kind)
         self.style().unpolish(self)
         self.style().polish(self)
-        sign = QStyle.StandardPixmap.SP_MessageBoxWarning if kind == "error" else INFORMATION
+        sign = QStyle.StandardPixmap.SP_MessageBoxWarning if kind == "error" else NOTE_ICON
         self._sign.setPixmap(self.style().standardIcon(sign).pixmap(18, 18))
         self._label.setText(text)
         self._action = offer[1] if offer else None

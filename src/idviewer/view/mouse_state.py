@@ -1,4 +1,4 @@
-"""What the mouse is doing: a press, what was grabbed by it, and how the cursor tells."""
+"""What the mouse is doing: which button is down, what it hit, and how the cursor shows that."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from PySide6.QtCore import QPointF, Qt
 from idviewer.view.handle_geometry import Drag, Part
 from idviewer.view.vertex_geometry import VertexDrag
 
-Grip = Part | int
-"""What can be grabbed: a part of the plane's handle, or a polygon's vertex by its number."""
+Hit = Part | int
+"""What the mouse can hit and grab: a part of the plane's handle, or a polygon's vertex by its number."""
 
-STILL, SHORT = 4.0, 800
+CLICK_MAX_MOVE_PX, CLICK_MAX_MS = 4.0, 800
 """A click moves less than so many device-independent pixels and lasts less than so many milliseconds."""
 _CURSORS = {
     Part.PUSH: Qt.CursorShape.SizeVerCursor,
@@ -22,7 +22,7 @@ _CURSORS = {
 
 
 @dataclass
-class Press:
+class MouseState:
     """What the mouse is doing while a button is down."""
 
     at: QPointF
@@ -33,7 +33,7 @@ class Press:
     vertex: VertexDrag | None = None
     panning: bool = False
     moved: bool = False
-    given_up: bool = False
+    cancelled: bool = False
 
 
 def is_shift(modifiers: Qt.KeyboardModifier) -> bool:
@@ -48,8 +48,8 @@ def target_of(modifiers: Qt.KeyboardModifier) -> str:
     return "surface" if is_shift(modifiers) else "slice-or-body"
 
 
-def cursor_for(grip: Grip | None) -> Qt.CursorShape:
+def cursor_for(hit: Hit | None) -> Qt.CursorShape:
     """The cursor over what can be grabbed."""
-    if isinstance(grip, int):
+    if isinstance(hit, int):
         return Qt.CursorShape.SizeAllCursor
-    return _CURSORS[grip] if grip is not None else Qt.CursorShape.ArrowCursor
+    return _CURSORS[hit] if hit is not None else Qt.CursorShape.ArrowCursor

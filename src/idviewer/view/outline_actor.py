@@ -10,15 +10,15 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 
 from idviewer.view.polydata import Place, as_cells, layer
-from idviewer.view.shaders import BACK, JOINT, LINE, set_uniforms
-from idviewer.view.slice_actor import INK
+from idviewer.view.shaders import BACK_DEPTH_RANGE, LINE_JOINT, SURFACE_LINE, set_uniforms
+from idviewer.view.slice_actor import OUTLINE_COLOR
 
 if TYPE_CHECKING:
     from idviewer.core import Polygon
 
-WIDTH = 2.2
+POLYGON_OUTLINE_WIDTH_PX = 2.2
 """In pixels."""
-CORNER = 12.0
+MIN_JOINT_ANGLE_DEGREES = 12.0
 """Degrees: where the outline turns by less, two lines meet without a gap, and a dot would only be a bump."""
 
 
@@ -33,9 +33,9 @@ class OutlineActor:
     def __init__(self) -> None:
         self._edges, self._vertices = vtkPolyData(), vtkPolyData()
         self.lines, self.joints = layer(self._edges), layer(self._vertices)
-        for actor, shader in ((self.lines, LINE), (self.joints, JOINT)):
-            actor.GetProperty().SetColor(*INK)
-            shader.on(BACK).install(actor)
+        for actor, shader in ((self.lines, SURFACE_LINE), (self.joints, LINE_JOINT)):
+            actor.GetProperty().SetColor(*OUTLINE_COLOR)
+            shader.in_depth_range(BACK_DEPTH_RANGE).install(actor)
         self.set_look(1.0)
         self.show(None, Place())
 
@@ -62,10 +62,10 @@ class OutlineActor:
 
     def set_look(self, scale: float) -> None:
         """Device pixels in a pixel."""
-        self.lines.GetProperty().SetLineWidth(WIDTH * scale)
-        half = float(np.ceil(0.5 * WIDTH * scale + 1.0))
+        self.lines.GetProperty().SetLineWidth(POLYGON_OUTLINE_WIDTH_PX * scale)
+        half = float(np.ceil(0.5 * POLYGON_OUTLINE_WIDTH_PX * scale + 1.0))
         self.joints.GetProperty().SetPointSize(2 * half)
-        set_uniforms(self.joints, dotRadius=0.5 * WIDTH * scale, spriteRadius=half)
+        set_uniforms(self.joints, dotRadius=0.5 * POLYGON_OUTLINE_WIDTH_PX * scale, spriteRadius=half)
 
 
 def _corners(polygon: Polygon) -> NDArray[np.intp]:
@@ -73,4 +73,4 @@ def _corners(polygon: Polygon) -> NDArray[np.intp]:
     ways = (polygon.vertices[polygon.edges[:, 1]] - polygon.vertices) / polygon.lengths[:, None]
     arriving = np.empty_like(ways)
     arriving[polygon.edges[:, 1]] = ways
-    return np.flatnonzero((ways * arriving).sum(axis=1) < np.cos(np.radians(CORNER)))
+    return np.flatnonzero((ways * arriving).sum(axis=1) < np.cos(np.radians(MIN_JOINT_ANGLE_DEGREES)))

@@ -24,15 +24,13 @@ from PySide6.QtWidgets import (
 )
 
 from idviewer.session.planes import PlaneCommands
-from idviewer.session.state import Frame, Point, State
+from idviewer.session.state import MAX_ISOLINES, Frame, Point, State
 from idviewer.view.colormaps import COLORMAPS
 from idviewer.view.coordinate_text import format_coordinate
-from idviewer.view.flat import is_flat
 from idviewer.view.panel_distance import DistanceGroup
 from idviewer.view.panel_planes import PlanesGroup
 from idviewer.view.parameter_rows import choice
-
-MOST_ISOLINES = 200
+from idviewer.view.polygon_view import is_2d
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ class Panel(QScrollArea):
     def show_state(self, state: State, frame: Frame | None) -> None:
         """Shows the state; frame tells where the barycentroid is, and lambda_2."""
         self._content.setEnabled(state.shape is not None)
-        self.planes.setVisible(not is_flat(state.shape))
+        self.planes.setVisible(not is_2d(state.shape))
         for group in self._groups:
             group.show_state(state, frame)
 
@@ -82,7 +80,7 @@ class SourceGroup(QGroupBox):
         self._calls = calls
         self._source: Point | None = None
         self._size = 1.0
-        self._flat = False
+        self._in_2d = False
         self.fields = tuple(_field(name) for name in "xyz")
         self.at_barycentroid = QPushButton("At the barycentroid")
         self.at_barycentroid.clicked.connect(lambda: calls.set(source=None))
@@ -101,8 +99,8 @@ class SourceGroup(QGroupBox):
             source = tuple(frame.source.tolist())
         self.at_barycentroid.setEnabled(state.query.source is not None)
         for widget in (self._names[2], self.fields[2]):
-            widget.setVisible(not is_flat(state.shape))
-        self._flat = is_flat(state.shape)
+            widget.setVisible(not is_2d(state.shape))
+        self._in_2d = is_2d(state.shape)
         if source != self._source:
             self._source, self._size = source, state.shape.diagonal if state.shape is not None else 1.0
             self._restore()
@@ -122,7 +120,7 @@ class SourceGroup(QGroupBox):
             edit.setModified(False)
         pasted = edited[0].text().replace(",", " ").split()
         try:
-            if len(pasted) == 3 or (self._flat and len(pasted) == 2):
+            if len(pasted) == 3 or (self._in_2d and len(pasted) == 2):
                 x, y, z = (*map(float, pasted), 0.0)[:3]
             else:
                 exact = self._source if self._source is not None else (None, None, None)
@@ -145,7 +143,7 @@ class ShowGroup(QGroupBox):
         self.quantity = choice([("distance", "Distance from the source"), ("potential", "Potential U")])
         self.colormap = choice(COLORMAPS.items())
         self.isolines = QSpinBox()
-        self.isolines.setRange(0, MOST_ISOLINES)
+        self.isolines.setRange(0, MAX_ISOLINES)
         self.isolines.setSpecialValueText("none")
         self.opacity = QSlider(Qt.Orientation.Horizontal)
         self.opacity.setRange(0, 100)
@@ -201,10 +199,10 @@ class ShowGroup(QGroupBox):
         self.barycentroid.setChecked(display.barycentroid)
         self.scale_bar.setChecked(display.scale_bar)
         self.vertices.setChecked(display.handle)
-        flat = is_flat(state.shape)
-        if flat == self._form.isRowVisible(self.opacity):
-            self._form.setRowVisible(self.opacity, not flat)
-        self.vertices.setVisible(flat)
+        in_2d = is_2d(state.shape)
+        if in_2d == self._form.isRowVisible(self.opacity):
+            self._form.setRowVisible(self.opacity, not in_2d)
+        self.vertices.setVisible(in_2d)
 
 
 def _field(name: str) -> QLineEdit:

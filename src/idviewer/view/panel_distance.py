@@ -11,9 +11,9 @@ from PySide6.QtWidgets import QGroupBox, QVBoxLayout
 from idviewer.core import DISTANCES, Distance, Shape, parameters_of
 from idviewer.core.distances import File, Formula, missing
 from idviewer.session.state import Frame, State
-from idviewer.view.flat import is_flat
 from idviewer.view.panel_coordinates import CoordinatesRow, fit
 from idviewer.view.parameter_rows import Row, choice, row_for
+from idviewer.view.polygon_view import is_2d
 
 
 class _Calls(Protocol):
@@ -64,7 +64,7 @@ class DistanceGroup(QGroupBox):
         self._show(self._waiting or distance)
 
     def _show_shape(self, shape: Shape | None, frame: Frame | None) -> None:
-        if frame is None or not is_flat(frame.shape):  # else the same polygon with its vertices moved
+        if frame is None or not is_2d(frame.shape):  # else the same polygon with its vertices moved
             self._last.clear()
             self._waiting = None
         if shape is not None and (self._shape is None or self._shape.dimension != shape.dimension):

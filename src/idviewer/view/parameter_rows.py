@@ -25,10 +25,10 @@ from PySide6.QtWidgets import (
 
 from idviewer.core.distances import Choice, File, Formula, Integer, Number, Parameter
 
-STEPS = 24
+STEPS_PER_DOUBLING = 24
 """Of a slider, to double the value."""
 
-FIELD = 92
+FIELD_WIDTH_PX = 92
 """Width in pixels: six digits and an exponent."""
 
 
@@ -94,14 +94,15 @@ class ParameterRow(QWidget):
 
     def _lay_out(self) -> None:
         title, symbol = self._parameter.title, self._parameter.symbol
-        low, high = (round(STEPS * math.log2(end)) for end in self._parameter.span)
+        low, high = (round(STEPS_PER_DOUBLING * math.log2(end)) for end in self._parameter.span)
         self.slider.setRange(low, high)
-        self.slider.setPageStep(STEPS)
-        self.slider.setToolTip(f"{title} {symbol} from {low // STEPS:+d} to {high // STEPS:+d} doublings")
-        self.field.setFixedWidth(FIELD)
+        self.slider.setPageStep(STEPS_PER_DOUBLING)
+        ends = " to ".join(f"{end // STEPS_PER_DOUBLING:+d}" for end in (low, high))
+        self.slider.setToolTip(f"{title} {symbol} from {ends} doublings")
+        self.field.setFixedWidth(FIELD_WIDTH_PX)
         self.field.setToolTip(f"{title} {symbol}: a number, or a multiple of the default such as 2 {symbol}0")
         self.reset.setToolTip(f"Back to {symbol}₀, the default for this shape")
-        self.reset.setFixedWidth(FIELD)
+        self.reset.setFixedWidth(FIELD_WIDTH_PX)
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.addWidget(QLabel(f"{title} {symbol}"), 0, 0)
@@ -119,7 +120,7 @@ class ParameterRow(QWidget):
         used = default if value is None else value
         multiple = 1.0 if used is None or default is None else used / default
         with QSignalBlocker(self.slider):
-            self.slider.setValue(round(STEPS * math.log2(multiple)))
+            self.slider.setValue(round(STEPS_PER_DOUBLING * math.log2(multiple)))
         self.multiple.setText("" if default is None else f"= {multiple:.3g} {self._parameter.symbol}₀")
         self._shown = "" if used is None else f"{used:.6g}"
         if not self.field.isModified():
@@ -128,7 +129,9 @@ class ParameterRow(QWidget):
     def _slid(self, steps: int) -> None:
         # Three digits, so that what is shown in words is what is computed with.
         if self._default is not None:
-            self._change(float(f"{self._default * 2.0 ** (steps / STEPS):.3g}") if steps else None)
+            self._change(
+                float(f"{self._default * 2.0 ** (steps / STEPS_PER_DOUBLING):.3g}") if steps else None
+            )
 
     def _typed(self) -> None:
         if not self.field.isModified() or self._default is None:

@@ -10,12 +10,12 @@ from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from idviewer.view.camera import cross
-from idviewer.view.handle_geometry import ARROW, ARROW_GAP, GAP, Handle, Part
+from idviewer.view.handle_geometry import ARROW_HALF_LENGTH, ARROW_START, MOVE_RING_RADIUS, Handle, Part
 
-CALM, HOT = "#3c4654", "#ff8c1a"
-HALO = "#ffffff"
+HANDLE_COLOR, HANDLE_HIGHLIGHT_COLOR = "#3c4654", "#ff8c1a"
+HALO_COLOR = "#ffffff"
 """Around everything, because the handle is seen against all colours of a slice."""
-HEAD, HEAD_RADIUS, LINE, MARGIN = 0.26, 0.085, 0.024, 0.022
+HEAD_LENGTH, HEAD_RADIUS, SHAFT_RADIUS, HALO_WIDTH = 0.26, 0.085, 0.024, 0.022
 """Sizes in ring radii."""
 
 
@@ -30,7 +30,7 @@ class PlaneHandle:
         self._window.SetNumberOfLayers(max(2, self._window.GetNumberOfLayers()))
         self._layer.SetLayer(self._window.GetNumberOfLayers() - 1)
         self._actors = {part: _actor(mesh) for part, mesh in _shapes().items()}
-        self._halos = {part: _halo(mesh) for part, mesh in _shapes(MARGIN).items()}
+        self._halos = {part: _halo(mesh) for part, mesh in _shapes(HALO_WIDTH).items()}
         self._pose = vtkMatrix4x4()
         for actor in self._everything():
             actor.SetUserMatrix(self._pose)
@@ -45,7 +45,7 @@ class PlaneHandle:
     def highlight(self, part: Part | None) -> None:
         """Colours the part that is under the mouse or is being dragged."""
         for other, actor in self._actors.items():
-            actor.prop.color = HOT if other is part else CALM
+            actor.prop.color = HANDLE_HIGHLIGHT_COLOR if other is part else HANDLE_COLOR
 
     def place(self, handle: Handle) -> None:
         """Puts the actors where the handle is, seen by the eye that sees the scene."""
@@ -68,7 +68,7 @@ class PlaneHandle:
 
 def _actor(mesh: pv.PolyData) -> pv.Actor:
     actor = pv.Actor(mapper=pv.DataSetMapper(mesh))
-    actor.prop.color = CALM
+    actor.prop.color = HANDLE_COLOR
     actor.prop.ambient, actor.prop.diffuse, actor.prop.specular = 0.55, 0.5, 0.1
     actor.prop.interpolation = "gouraud"
     actor.pickable = False
@@ -78,7 +78,7 @@ def _actor(mesh: pv.PolyData) -> pv.Actor:
 def _halo(mesh: pv.PolyData) -> pv.Actor:
     """Only the far side of a thicker copy, so that it is seen around the part and never in front of it."""
     actor = pv.Actor(mapper=pv.DataSetMapper(mesh))
-    actor.prop.color, actor.prop.lighting, actor.prop.culling = HALO, False, "front"
+    actor.prop.color, actor.prop.lighting, actor.prop.culling = HALO_COLOR, False, "front"
     actor.pickable = False
     return actor
 
@@ -88,20 +88,23 @@ def _shapes(margin: float = 0.0) -> dict[Part, pv.PolyData]:
 
     The middle stays free: that is where the source often is.
     """
-    line = LINE + margin
-    low, high = _shaft(-ARROW, -ARROW_GAP, line), _shaft(ARROW_GAP, ARROW - HEAD, line)
+    line = SHAFT_RADIUS + margin
+    low, high = (
+        _shaft(-ARROW_HALF_LENGTH, -ARROW_START, line),
+        _shaft(ARROW_START, ARROW_HALF_LENGTH - HEAD_LENGTH, line),
+    )
     head = pv.Cone(
-        center=(0, 0, ARROW - HEAD / 2),
+        center=(0, 0, ARROW_HALF_LENGTH - HEAD_LENGTH / 2),
         direction=(0, 0, 1),
-        height=HEAD + 3 * margin,
+        height=HEAD_LENGTH + 3 * margin,
         radius=HEAD_RADIUS + margin,
         resolution=32,
     )
-    tail = pv.Sphere(radius=2 * LINE + margin, center=(0, 0, -ARROW))
+    tail = pv.Sphere(radius=2 * SHAFT_RADIUS + margin, center=(0, 0, -ARROW_HALF_LENGTH))
     return {
         Part.PUSH: low.append_polydata(high, head, tail),
         Part.TURN: _torus(1.0, line),
-        Part.MOVE: _torus(GAP, line),
+        Part.MOVE: _torus(MOVE_RING_RADIUS, line),
     }
 
 

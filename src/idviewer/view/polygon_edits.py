@@ -10,21 +10,21 @@ from idviewer.core.arrays import Floats
 from idviewer.session.session import Session
 from idviewer.view.message_bar import MessageBar
 
-MOST = 500
+MAX_UNDO_STEPS = 500
 """Moves that can be taken back."""
 
 
-class Reshaper:
+class PolygonEdits:
     """Asks the session for other vertices, and remembers those before each move.
 
     Args:
         session: whose polygon is moved.
         messages: where it is said why a vertex cannot go somewhere, as long as the mouse wants that.
-        told: called after each change of what can be taken back.
+        on_change: called after each change of what can be taken back.
     """
 
-    def __init__(self, session: Session, messages: MessageBar, told: Callable[[], None]) -> None:
-        self._session, self._messages, self._told = session, messages, told
+    def __init__(self, session: Session, messages: MessageBar, on_change: Callable[[], None]) -> None:
+        self._session, self._messages, self._on_change = session, messages, on_change
         self._before: list[Floats] = []
         self._after: list[Floats] = []
         self._reason = ""
@@ -59,9 +59,9 @@ class Reshaper:
         """A move has ended that began with these vertices."""
         now = self._vertices
         if now is not None and now.shape == before.shape and (now != before).any():
-            self._before = [*self._before[1 - MOST :], before]
+            self._before = [*self._before[1 - MAX_UNDO_STEPS :], before]
             self._after.clear()
-            self._told()
+            self._on_change()
 
     def undo(self) -> None:
         """Takes the last move back."""
@@ -76,7 +76,7 @@ class Reshaper:
         self._before.clear()
         self._after.clear()
         self._reason = ""
-        self._told()
+        self._on_change()
 
     @property
     def _vertices(self) -> Floats | None:
@@ -88,7 +88,7 @@ class Reshaper:
         if wanted and now is not None:
             other.append(now)
             self.move(wanted.pop())
-            self._told()
+            self._on_change()
 
 
 def _shortened(error: PolygonError) -> str:

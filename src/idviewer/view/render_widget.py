@@ -1,4 +1,4 @@
-"""The widget that VTK draws in: only when Qt paints it, and with less smoothing where a hurry needs that."""
+"""The widget that VTK draws in: only when Qt paints it, and with less smoothing while the mouse drags."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from pyvistaqt import QtInteractor
 
 
-def drawing_widget(parent: QWidget) -> QtInteractor:
+def make_render_widget(parent: QWidget) -> QtInteractor:
     """A plotter that draws when Qt paints and at no other time, and takes no mouse, key or drop."""
     plotter = QtInteractor(parent, auto_update=False)
     plotter.suppress_rendering = True
@@ -17,13 +17,13 @@ def drawing_widget(parent: QWidget) -> QtInteractor:
     return plotter
 
 
-class Smoothing:
+class InteractiveQuality:
     """Without a graphics card, draws without smoothing while the mouse drags: three times as fast."""
 
     def __init__(self) -> None:
         self._samples: int | None = None
 
-    def hurry(self, plotter: QtInteractor, dragging: bool) -> bool:
+    def set_interactive(self, plotter: QtInteractor, dragging: bool) -> bool:
         """Smooths less while dragging; tells whether that has changed the picture."""
         window = plotter.GetRenderWindow()
         if self._samples is None:

@@ -17,12 +17,12 @@ from vtkmodules.vtkRenderingCore import vtkActor2D, vtkCoordinate, vtkPolyDataMa
 
 from idviewer.view.polydata import as_array, as_cells, as_points
 
-INK = (0.13, 0.15, 0.20)
-RIGHT, WIDTH, HEIGHT, GAP = 20.0, 16.0, 250.0, 8.0
+TEXT_COLOR = (0.13, 0.15, 0.20)
+RIGHT_MARGIN_PX, BAR_WIDTH_PX, BAR_HEIGHT_PX, LABEL_GAP_PX = 20.0, 16.0, 250.0, 8.0
 """Space beside the labels, the bar's width and height, and its distance from the labels, in pixels."""
-CHARACTER = 7.6
+CHARACTER_WIDTH_PX = 7.6
 """About the width of a label's character in pixels."""
-TITLE_SIZE, LABEL_SIZE, NOTE_SIZE = 15.0, 13.0, 12.0
+TITLE_SIZE_PX, LABEL_SIZE_PX, NOTE_SIZE_PX = 15.0, 13.0, 12.0
 """Of letters, in pixels."""
 MAX_LABELS = 8
 ROUND_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
@@ -38,9 +38,9 @@ class ScaleBar:
         self._title = _text("right", "bottom", bold=True)
         self._note = _text("right", "top")
         self._labels = [_text("left", "centered") for _ in range(MAX_LABELS)]
-        self._bar = _flat(self._colors, layer=0)
-        self._ruling = _flat(self._lines, layer=1)
-        self._ruling.GetProperty().SetColor(INK)
+        self._bar = _untextured_actor(self._colors, layer=0)
+        self._ruling = _untextured_actor(self._lines, layer=1)
+        self._ruling.GetProperty().SetColor(TEXT_COLOR)
         self._shown: tuple[object, ...] | None = None
         self._filling: tuple[object, ...] | None = None
 
@@ -73,10 +73,10 @@ class ScaleBar:
         self._shown = wanted
         low, high = value_range
         ticks, texts, factor = nice_labels(low, high)
-        heights = HEIGHT * ((ticks - low) / (high - low) - 0.5) if high > low else np.zeros(len(ticks))
-        labels_left = -RIGHT - CHARACTER * max(map(len, texts), default=0)
-        right = labels_left - GAP
-        box = np.array([right - WIDTH, -HEIGHT / 2, right, HEIGHT / 2])
+        heights = BAR_HEIGHT_PX * ((ticks - low) / (high - low) - 0.5) if high > low else np.zeros(len(ticks))
+        labels_left = -RIGHT_MARGIN_PX - CHARACTER_WIDTH_PX * max(map(len, texts), default=0)
+        right = labels_left - LABEL_GAP_PX
+        box = np.array([right - BAR_WIDTH_PX, -BAR_HEIGHT_PX / 2, right, BAR_HEIGHT_PX / 2])
         filling = tuple((scale * box).tolist()), rgb.tobytes()
         if filling != self._filling:  # most often only the labels change from frame to frame
             self._filling = filling
@@ -86,13 +86,13 @@ class ScaleBar:
         for actor in (self._bar, self._ruling):
             actor.VisibilityOn()
         for label, text, height in zip(self._labels, texts, heights, strict=False):
-            _write(label, text, (labels_left, height), LABEL_SIZE, scale)
+            _write(label, text, (labels_left, height), LABEL_SIZE_PX, scale)
         for label in self._labels[len(texts) :]:
             label.VisibilityOff()
         lines = f"{_broken(title)}\n{factor}" if factor else _broken(title)
-        _write(self._title, lines, (-RIGHT, HEIGHT / 2 + 16.0), TITLE_SIZE, scale)
+        _write(self._title, lines, (-RIGHT_MARGIN_PX, BAR_HEIGHT_PX / 2 + 16.0), TITLE_SIZE_PX, scale)
         step = f"isolines every {(high - low) / isolines:.3g}" if isolines and high > low else ""
-        _write(self._note, step, (-RIGHT, -HEIGHT / 2 - 14.0), NOTE_SIZE, scale)
+        _write(self._note, step, (-RIGHT_MARGIN_PX, -BAR_HEIGHT_PX / 2 - 14.0), NOTE_SIZE_PX, scale)
 
 
 def nice_labels(low: float, high: float) -> tuple[NDArray[np.float64], list[str], str]:
@@ -123,7 +123,7 @@ def _broken(title: str) -> str:
     return re.sub(r"(?<=[,;]) | (?=\()", "\n", title)
 
 
-def _flat(data: vtkPolyData, layer: int) -> vtkActor2D:
+def _untextured_actor(data: vtkPolyData, layer: int) -> vtkActor2D:
     mapper = vtkPolyDataMapper2D()
     mapper.SetInputData(data)
     actor = vtkActor2D()
@@ -140,7 +140,7 @@ def _text(horizontal: str, vertical: str, bold: bool = False) -> vtkTextActor:
     actor = vtkTextActor()
     look = actor.GetTextProperty()
     look.SetFontFamilyToArial()
-    look.SetColor(INK)
+    look.SetColor(TEXT_COLOR)
     look.SetBold(bold)
     look.SetLineSpacing(1.15)
     look.SetJustification({"left": 0, "right": 2}[horizontal])

@@ -11,10 +11,10 @@ from idviewer.core import Mesh, Polygon
 from idviewer.session.state import Display
 from idviewer.view.body_actor import BodyActor
 from idviewer.view.colormaps import colors, lookup_table
-from idviewer.view.flat import is_flat
 from idviewer.view.markers import Markers
 from idviewer.view.outline_actor import OutlineActor
 from idviewer.view.polydata import Place
+from idviewer.view.polygon_view import is_2d
 from idviewer.view.scale_bar import ScaleBar
 from idviewer.view.slice_actor import SliceActor
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from idviewer.core import Shape
     from idviewer.session.state import Frame, State
 
-BOTTOM, TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
+BACKGROUND_BOTTOM, BACKGROUND_TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
 """The background, shaded from below to above."""
 POINTS_PER_INCH = 72.0
 """Dots per inch at which a pixel of line widths and letters is one of the screen's."""
@@ -52,8 +52,8 @@ class Scene:
         renderer.SetUseOIT(False)  # balls are drawn as they come, not averaged
         if not renderer.GetLights().GetNumberOfItems():
             renderer.CreateLight()  # without any, VTK hands no normals to the body's shader
-        renderer.SetBackground(*BOTTOM)
-        renderer.SetBackground2(*TOP)
+        renderer.SetBackground(*BACKGROUND_BOTTOM)
+        renderer.SetBackground2(*BACKGROUND_TOP)
         renderer.GradientBackgroundOn()
         self._stack()
         self._apply_display()
@@ -99,28 +99,28 @@ class Scene:
         self._slices.clear()
 
     def _show_shape(self, shape: Shape | None) -> None:
-        turned_flat = is_flat(shape) != is_flat(self._shape)
+        dimension_changed = is_2d(shape) != is_2d(self._shape)
         self._shape = shape
         if shape is not None:
             self._place = Place(shape.bounds)
         self._body.show_mesh(shape if isinstance(shape, Mesh) else None, self._place)
         self._outline.show(shape if isinstance(shape, Polygon) else None, self._place)
-        if turned_flat:
+        if dimension_changed:
             self._apply_display()
-        if self._frame is not None and not _serves(self._frame, shape):
+        if self._frame is not None and not _belongs_to(self._frame, shape):
             self.show_frame(None)
 
     def _apply_display(self) -> None:
         display = self._display
         self._dpi = self._window_dpi()
         scale = self._dpi / POINTS_PER_INCH
-        flat = is_flat(self._shape)
-        opacity = 0.0 if flat else display.opacity  # nothing is around something flat
+        in_2d = is_2d(self._shape)
+        opacity = 0.0 if in_2d else display.opacity  # nothing is around a polygon
         self._body.set_opacity(opacity)
         self._outline.set_look(scale)
         for actor in self._slices:
-            actor.set_look(display.isolines, opacity, scale, edged=not flat)
-        self._markers.set_look(display.barycentroid, opacity, scale, flat)
+            actor.set_look(display.isolines, opacity, scale, edged=not in_2d)
+        self._markers.set_look(display.barycentroid, opacity, scale, in_2d)
         self._show_bar()
 
     def _show_bar(self) -> None:
@@ -154,6 +154,6 @@ class Scene:
         return float(window.GetDPI()) if window is not None else POINTS_PER_INCH
 
 
-def _serves(frame: Frame, shape: Shape | None) -> bool:
+def _belongs_to(frame: Frame, shape: Shape | None) -> bool:
     """Whether the frame is the shape's, or, while a polygon's vertices are dragged, one of a moment ago."""
-    return frame.shape is shape or (is_flat(shape) and is_flat(frame.shape))
+    return frame.shape is shape or (is_2d(shape) and is_2d(frame.shape))

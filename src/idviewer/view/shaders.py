@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from vtkmodules.vtkRenderingCore import vtkActor
 
-from idviewer.view.colormaps import UNKNOWN
+from idviewer.view.colormaps import UNKNOWN_COLOR
 
 
 @dataclass(frozen=True)
@@ -19,10 +19,10 @@ class Shader:
     vertex: dict[str, str] = field(default_factory=dict)
     fragment: dict[str, str] = field(default_factory=dict)
 
-    def on(self, shelf: str) -> Shader:
-        """The same with its depth on `BACK` or `FRONT`."""
-        code = self.vertex.get(_LAST, "") + shelf
-        return Shader({**self.vertex, _LAST: code}, self.fragment)
+    def in_depth_range(self, depth_range: str) -> Shader:
+        """The same with its depth in `BACK_DEPTH_RANGE` or `FRONT_DEPTH_RANGE`."""
+        code = self.vertex.get(_POSITION_TAG, "") + depth_range
+        return Shader({**self.vertex, _POSITION_TAG: code}, self.fragment)
 
     def install(self, actor: vtkActor, **uniforms: float) -> None:
         """Makes an actor be drawn by this code, its uniforms set to these values."""
@@ -41,13 +41,13 @@ def set_uniforms(actor: vtkActor, **values: float) -> None:
         uniforms.SetUniformf(name, value)
 
 
-_LAST = "CustomEnd::Impl"
+_POSITION_TAG = "CustomEnd::Impl"
 """The tag at which gl_Position is known."""
 
-# Depths are kept on two shelves, so that a slice can be drawn over glass that is nearer to the eye, and still
-# be hidden by another slice that is nearer. What is on the front shelf hides all that is on the back one.
-BACK = "gl_Position.z = 0.9 * gl_Position.z + 0.1 * gl_Position.w;\n"
-FRONT = "gl_Position.z = 0.1 * gl_Position.z - 0.9 * gl_Position.w;\n"
+# Depths are kept on two ranges, so that a slice can be drawn over glass that is nearer to the eye, and still
+# be hidden by another slice that is nearer. What is in the front range hides all that is in the back one.
+BACK_DEPTH_RANGE = "gl_Position.z = 0.9 * gl_Position.z + 0.1 * gl_Position.w;\n"
+FRONT_DEPTH_RANGE = "gl_Position.z = 0.1 * gl_Position.z - 0.9 * gl_Position.w;\n"
 
 
 def _vec3(rgb: tuple[float, float, float]) -> str:
@@ -74,7 +74,7 @@ ISOLINES = Shader(
   isoline *= step(0.5, isoNearest) * step(isoNearest, isolines - 0.5);
   isoline *= 1.0 - smoothstep(0.22, 0.45, isoPerPixel * lineWidth);
   fragOutput0.rgb = mix(fragOutput0.rgb, vec3(0.02, 0.02, 0.05), 0.75 * isoline);
-  if (knownVS < 0.999) {{ fragOutput0.rgb = {_vec3(UNKNOWN)}; }}
+  if (knownVS < 0.999) {{ fragOutput0.rgb = {_vec3(UNKNOWN_COLOR)}; }}
 """,
     },
 )
@@ -92,7 +92,7 @@ _THROUGH_SHELL = """
   float clear = max(1.0 - opacity, 0.0);
 """
 
-VEIL = Shader(
+TRANSLUCENT_SURFACE = Shader(
     fragment={
         "Light::Impl": _THROUGH_SHELL
         + """
@@ -104,7 +104,7 @@ VEIL = Shader(
 )
 """A body all of whose layers are seen; the opacity is that of its property."""
 
-GLASS = Shader(
+GLASS_SURFACE = Shader(
     fragment={
         "Light::Impl": _THROUGH_SHELL
         + """
@@ -118,7 +118,7 @@ GLASS = Shader(
 )
 """A body of which the nearest layer is seen."""
 
-LIFT = 0.01
+BALL_LIFT_SHARE = 0.01
 """How much nearer to the eye a ball is, as a share of its distance: a slice through it does not cut it."""
 
 # Only the depth is moved. The depth of a point that is nearer by a share of its distance follows from the
@@ -131,9 +131,9 @@ _LIFTED = f"""
   if (perspective > 0.0) {{
     float slope = dot(depthRow, wRow) / perspective;
     float offset = MCDCMatrix[3].z - slope * MCDCMatrix[3].w;
-    gl_Position.z = slope * gl_Position.w + offset / {1.0 - LIFT};
+    gl_Position.z = slope * gl_Position.w + offset / {1.0 - BALL_LIFT_SHARE};
   }}
-  else {{ gl_Position.z -= {3.7 * LIFT} * length(depthRow) / length(upRow); }}
+  else {{ gl_Position.z -= {3.7 * BALL_LIFT_SHARE} * length(depthRow) / length(upRow); }}
 """
 
 _BALL = {
@@ -151,26 +151,26 @@ _BALL = {
 """
 }
 
-BALL = Shader(vertex={_LAST: _LIFTED}, fragment=_BALL)
+BALL = Shader(vertex={_POSITION_TAG: _LIFTED}, fragment=_BALL)
 """A point drawn as a ball of constant size.
 
 Uniforms: ballRadius, rimWidth, spriteRadius (half the point size) in pixels; relief (1 for a ball, 0 for a
-flat disc).
+disc).
 """
 
-BALL_AT_FRONT = Shader(vertex={_LAST: "gl_Position.z = -0.9999 * gl_Position.w;"}, fragment=_BALL)
+BALL_AT_FRONT = Shader(vertex={_POSITION_TAG: "gl_Position.z = -0.9999 * gl_Position.w;"}, fragment=_BALL)
 """The same in front of everything."""
 
 _ON_SURFACE = "gl_Position.z -= 2e-3 * gl_Position.w;\n"
 
-LINE = Shader(vertex={_LAST: _ON_SURFACE})
+SURFACE_LINE = Shader(vertex={_POSITION_TAG: _ON_SURFACE})
 """A line that is drawn on the surface it lies in, not half below it.
 
 About a pixel nearer: as far as the depth of a line and that of a steep surface may differ.
 """
 
-JOINT = Shader(
-    vertex={_LAST: _ON_SURFACE},
+LINE_JOINT = Shader(
+    vertex={_POSITION_TAG: _ON_SURFACE},
     fragment={
         "Light::Impl": """
   float fromCentre = length(2.0 * (gl_PointCoord - 0.5)) * spriteRadius;
@@ -184,5 +184,5 @@ Uniforms, in pixels: dotRadius, spriteRadius (half the point size).
 """
 
 # Too little to change a colour of eight bits; with nothing at all, VTK discards the pixel and its depth.
-MASK = Shader(fragment={"Light::Impl": "fragOutput0 = vec4(0.0, 0.0, 0.0, 0.001);"})
+DEPTH_ONLY = Shader(fragment={"Light::Impl": "fragOutput0 = vec4(0.0, 0.0, 0.0, 0.001);"})
 """Depth without colour."""

@@ -11,19 +11,26 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLPolyDataMapper
 
-from idviewer.view.body_actor import clearness
+from idviewer.view.body_actor import transparency
 from idviewer.view.polydata import Place, as_array, as_cells, as_closed_lines, layer
-from idviewer.view.shaders import BACK, FRONT, ISOLINES, LINE, MASK, set_uniforms
+from idviewer.view.shaders import (
+    BACK_DEPTH_RANGE,
+    DEPTH_ONLY,
+    FRONT_DEPTH_RANGE,
+    ISOLINES,
+    SURFACE_LINE,
+    set_uniforms,
+)
 
 if TYPE_CHECKING:
     from idviewer.core.sampling import SliceValues
 
-INK = (0.05, 0.06, 0.10)
+OUTLINE_COLOR = (0.05, 0.06, 0.10)
 """The colour of outlines."""
 OUTLINE_OPACITY = 0.88
-ISOLINE_WIDTH, OUTLINE_WIDTH = 1.3, 1.7
+ISOLINE_WIDTH_PX, OUTLINE_WIDTH_PX = 1.3, 1.7
 """In pixels."""
-THROUGH_GLASS = 0.84
+COLOR_SHARE_UNDER_GLASS = 0.84
 """Share of its own colour that a slice keeps under the glass; in the rest, the glass is seen."""
 
 
@@ -42,11 +49,16 @@ class SliceActor:
     def __init__(self, table: vtkScalarsToColors) -> None:
         self._section = vtkPolyData()
         self._loops = vtkPolyData()
-        self.base, self.clear = (_coloured(self._section, table, shelf) for shelf in (BACK, FRONT))
-        self.edge, self.outline = (_inked(self._loops, shelf) for shelf in (BACK, FRONT))
+        self.base, self.clear = (
+            _coloured(self._section, table, depth_range)
+            for depth_range in (BACK_DEPTH_RANGE, FRONT_DEPTH_RANGE)
+        )
+        self.edge, self.outline = (
+            _inked(self._loops, depth_range) for depth_range in (BACK_DEPTH_RANGE, FRONT_DEPTH_RANGE)
+        )
         self.mask = layer(self._section)
-        MASK.on(FRONT).install(self.mask)
-        self._clearness = 0.0
+        DEPTH_ONLY.in_depth_range(FRONT_DEPTH_RANGE).install(self.mask)
+        self._transparency = 0.0
         self._alone = self._edged = True
         self.hide()
 
@@ -86,11 +98,11 @@ class SliceActor:
         """
         self._edged = edged
         for actor in (self.base, self.clear):
-            set_uniforms(actor, isolines=float(isolines), lineWidth=ISOLINE_WIDTH * scale)
-        self._clearness = clearness(opacity)
-        self.clear.GetProperty().SetOpacity(THROUGH_GLASS * self._clearness)
-        for actor, share in ((self.edge, 1.0), (self.outline, self._clearness)):
-            actor.GetProperty().SetLineWidth(OUTLINE_WIDTH * scale)
+            set_uniforms(actor, isolines=float(isolines), lineWidth=ISOLINE_WIDTH_PX * scale)
+        self._transparency = transparency(opacity)
+        self.clear.GetProperty().SetOpacity(COLOR_SHARE_UNDER_GLASS * self._transparency)
+        for actor, share in ((self.edge, 1.0), (self.outline, self._transparency)):
+            actor.GetProperty().SetLineWidth(OUTLINE_WIDTH_PX * scale)
             actor.GetProperty().SetOpacity(OUTLINE_OPACITY * share)
         self._set_visible(bool(self.base.GetVisibility()))
 
@@ -98,8 +110,8 @@ class SliceActor:
         self.base.SetVisibility(visible)
         self.edge.SetVisibility(visible and self._edged)
         for actor in (self.clear, self.outline):
-            actor.SetVisibility(visible and self._clearness > 0.0)
-        self.mask.SetVisibility(visible and self._clearness > 0.0 and not self._alone)
+            actor.SetVisibility(visible and self._transparency > 0.0)
+        self.mask.SetVisibility(visible and self._transparency > 0.0 and not self._alone)
 
 
 def _levels(
@@ -113,7 +125,7 @@ def _levels(
     return np.where(known, level, 0.0).astype(np.float32), known.astype(np.float32)
 
 
-def _coloured(data: vtkPolyData, table: vtkScalarsToColors, shelf: str) -> vtkActor:
+def _coloured(data: vtkPolyData, table: vtkScalarsToColors, depth_range: str) -> vtkActor:
     actor = layer(data)
     mapper = actor.GetMapper()
     assert isinstance(mapper, vtkOpenGLPolyDataMapper)
@@ -126,12 +138,12 @@ def _coloured(data: vtkPolyData, table: vtkScalarsToColors, shelf: str) -> vtkAc
     mapper.InterpolateScalarsBeforeMappingOn()
     for name in ("level", "known"):
         mapper.MapDataArrayToVertexAttribute(name, name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
-    ISOLINES.on(shelf).install(actor, isolines=0.0, lineWidth=ISOLINE_WIDTH)
+    ISOLINES.in_depth_range(depth_range).install(actor, isolines=0.0, lineWidth=ISOLINE_WIDTH_PX)
     return actor
 
 
-def _inked(data: vtkPolyData, shelf: str) -> vtkActor:
+def _inked(data: vtkPolyData, depth_range: str) -> vtkActor:
     actor = layer(data)
-    actor.GetProperty().SetColor(*INK)
-    LINE.on(shelf).install(actor)
+    actor.GetProperty().SetColor(*OUTLINE_COLOR)
+    SURFACE_LINE.in_depth_range(depth_range).install(actor)
     return actor

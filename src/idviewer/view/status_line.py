@@ -12,18 +12,18 @@ from idviewer.core import Shape
 from idviewer.session import describe_preview
 from idviewer.session.picking import Probe
 from idviewer.session.state import Frame, Progress, Ready
-from idviewer.view.flat import is_flat
+from idviewer.view.polygon_view import is_2d
 
-PATIENCE = 150
+PROGRESS_DELAY_MS = 150
 """Milliseconds that work may take before the line speaks of it; what is done by then only flickers."""
 
 PREVIEW_STYLE = "QLabel { background: #fdf0c8; color: #20242a; padding: 1px 6px; border-radius: 3px; }"
 
-TOLD = 6000
+MESSAGE_MS = 6000
 """Milliseconds for which the line says what was done."""
 
-HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
-FLAT_HINT = "Click to put the source there; drag a vertex to reshape the polygon; F1 for more"
+MESH_HINT = "Click to put the source there; drag the arrow to push the slice; F1 for more"
+POLYGON_HINT = "Click to put the source there; drag a vertex to reshape the polygon; F1 for more"
 EMPTY_HINT = "Open a mesh or a polygon with Ctrl+O, or drop a file here"
 
 
@@ -31,10 +31,10 @@ def hint_for(shape: Shape | None) -> str:
     """What can be done with it."""
     if shape is None:
         return EMPTY_HINT
-    return FLAT_HINT if is_flat(shape) else HINT
+    return POLYGON_HINT if is_2d(shape) else MESH_HINT
 
 
-def in_words(probe: Probe, frame: Frame) -> str:
+def describe_probe(probe: Probe, frame: Frame) -> str:
     """The value under the mouse, where that is, and the Euclidean distance beside it."""
     point = np.asarray(probe.point)
     place = ", ".join(f"{value:.4g}" for value in point[: frame.shape.dimension])
@@ -63,14 +63,14 @@ class StatusLine(QStatusBar):
         self.button.clicked.connect(self._press)
         self._stopped = False
         self._preview: float | None = None
-        self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
-        self._patience.timeout.connect(lambda: self._show_work(True))
+        self._delay = QTimer(self, singleShot=True, interval=PROGRESS_DELAY_MS)
+        self._delay.timeout.connect(lambda: self._show_work(True))
         self.setContentsMargins(6, 0, 0, 0)
         self.addWidget(self.probe, 1)
         for widget in (self.preview, self.stage, self.bar, self.button, self.sizes, self.modes):
             self.addPermanentWidget(widget)
         self._show_work(False)
-        self._tell_preview(False)
+        self._show_preview(False)
 
     def show_shape(self, shape: Shape | None) -> None:
         """Numbers of vertices and of faces or edges; the modes are not known yet."""
@@ -80,7 +80,7 @@ class StatusLine(QStatusBar):
         self.sizes.setText("" if shape is None else f"{len(shape.vertices):,} vertices, {facets}")
         self.modes.clear()
         self._preview = None
-        self._tell_preview(False)
+        self._show_preview(False)
 
     def show_ready(self, ready: Ready) -> None:
         """Number of modes."""
@@ -94,9 +94,9 @@ class StatusLine(QStatusBar):
             refining: whether a better one is being computed.
         """
         self._preview = frame.preview
-        self._tell_preview(refining)
+        self._show_preview(refining)
 
-    def _tell_preview(self, refining: bool) -> None:
+    def _show_preview(self, refining: bool) -> None:
         self.preview.setVisible(self._preview is not None)
         words = "" if self._preview is None else describe_preview(self._preview)
         self.preview.setText(f"{words}; refining" if words and refining else words)
@@ -104,25 +104,25 @@ class StatusLine(QStatusBar):
     def show_progress(self, progress: Progress | None) -> None:
         """Names the stage, and how far it is; None hides it."""
         if progress is None:
-            self._patience.stop()
+            self._delay.stop()
             self._show_work(False)
             return
         if self._stopped:
             self._stopped = False
-            self._tell_preview(True)
+            self._show_preview(True)
         self.button.setText("Cancel")
         self.stage.setText(progress.stage)
         self.bar.setRange(0, 0 if progress.share is None else 1000)
         self.bar.setValue(round(1000 * (progress.share or 0.0)))
-        if self.bar.isHidden() and not self._patience.isActive():
-            self._patience.start()
+        if self.bar.isHidden() and not self._delay.isActive():
+            self._delay.start()
 
     def show_stopped(self) -> None:
         """Says that the computation was cancelled, and offers to start it again."""
-        self._patience.stop()
+        self._delay.stop()
         self._show_work(False)
         self._stopped = True
-        self._tell_preview(False)
+        self._show_preview(False)
         self.stage.setText("Cancelled")
         self.button.setText("Compute again")
         self.stage.show()
@@ -130,7 +130,7 @@ class StatusLine(QStatusBar):
 
     def tell(self, text: str) -> None:
         """Says what was done, for some seconds."""
-        self.showMessage(text, TOLD)
+        self.showMessage(text, MESSAGE_MS)
 
     def show_probe(self, text: str) -> None:
         """What is under the cursor."""

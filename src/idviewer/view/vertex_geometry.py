@@ -10,9 +10,9 @@ from idviewer.core import Polygon
 from idviewer.core.arrays import Floats, in_space
 from idviewer.view.camera import Projection
 
-REACH = 8.0
+VERTEX_GRAB_DISTANCE_PX = 8.0
 """How near, in pixels, the mouse must be to a vertex."""
-SOFT = 0.08
+SOFT_DRAG_SHARE = 0.08
 """The share of its loop's length, to either side of a vertex, that follows it in a soft drag."""
 
 
@@ -20,7 +20,7 @@ def vertex_at(polygon: Polygon, projection: Projection, x: float, y: float) -> i
     """Number of the vertex nearest to the mouse; None where none is near."""
     apart = np.hypot(*(projection.project(in_space(polygon.vertices)) - (x, y)).T)
     nearest = int(np.argmin(apart))
-    return nearest if apart[nearest] <= REACH else None
+    return nearest if apart[nearest] <= VERTEX_GRAB_DISTANCE_PX else None
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ class VertexDrag:
         """(n, 2) the vertices when the mouse is at (x, y); in a soft drag the neighbours follow."""
         way = _under(projection, x, y) + self.held - self.polygon.vertices[self.vertex]
         if soft:
-            return self.polygon.vertices + followers(self.polygon, self.vertex)[:, None] * way
+            return self.polygon.vertices + soft_drag_weights(self.polygon, self.vertex)[:, None] * way
         vertices = self.polygon.vertices.copy()
         vertices[self.vertex] += way
         return vertices
 
 
-def followers(polygon: Polygon, vertex: int, reach: float = SOFT) -> Floats:
+def soft_drag_weights(polygon: Polygon, vertex: int, reach: float = SOFT_DRAG_SHARE) -> Floats:
     """(n,) the share of a vertex's way that each vertex goes in a soft drag.
 
     1 for itself, and (1 - (s / r)^2)^2 at the distance s along the outline, which ends smoothly at r.

@@ -12,11 +12,11 @@ from idviewer.view.polydata import Place, as_cells, as_points, layer
 from idviewer.view.scene import POINTS_PER_INCH
 from idviewer.view.shaders import BALL, set_uniforms
 
-MOST = 500
+MAX_SHOWN_VERTICES = 500
 """Of more vertices, only the one under the mouse is shown."""
-CALM, HOT = (0.10, 0.12, 0.18), (1.0, 0.52, 0.08)
-CALM_RADIUS, HOT_RADIUS = 2.4, 5.0
-CALM_RIM, HOT_RIM = 0.0, 1.6
+VERTEX_COLOR, VERTEX_HIGHLIGHT_COLOR = (0.10, 0.12, 0.18), (1.0, 0.52, 0.08)
+VERTEX_RADIUS_PX, HIGHLIGHT_RADIUS_PX = 2.4, 5.0
+VERTEX_RIM_PX, HIGHLIGHT_RIM_PX = 0.0, 1.6
 """In pixels. All vertices are knots in the outline; the one pointed out has a white rim around it."""
 
 
@@ -33,8 +33,11 @@ class VertexHandles:
         self._vertices, single = vtkPolyData(), vtkPolyData()
         single.SetPoints(as_points(np.zeros((1, 3))))
         single.SetVerts(as_cells(np.zeros((1, 1), int)))
-        self._calm, self._hot = _dots(self._vertices, CALM), _dots(single, HOT)
-        for actor in (self._calm, self._hot):
+        self._all_dots, self._highlighted_dot = (
+            _dots(self._vertices, VERTEX_COLOR),
+            _dots(single, VERTEX_HIGHLIGHT_COLOR),
+        )
+        for actor in (self._all_dots, self._highlighted_dot):
             self._layer.AddActor(actor)
         self._window.AddRenderer(self._layer)
         self._shown: Polygon | None = None
@@ -49,28 +52,28 @@ class VertexHandles:
             return
         self._shown = polygon
         place = Place(polygon.bounds)
-        self._calm.SetVisibility(len(polygon.vertices) <= MOST)
+        self._all_dots.SetVisibility(len(polygon.vertices) <= MAX_SHOWN_VERTICES)
         self._vertices.SetPoints(place.local(polygon.vertices))
         self._vertices.SetVerts(as_cells(np.arange(len(polygon.vertices))[:, None]))
-        place.apply(self._calm)
+        place.apply(self._all_dots)
 
     def highlight(self, vertex: int | None) -> None:
         """Points out the vertex that is under the mouse or is being dragged."""
         polygon = self._shown
         if polygon is None or vertex is None or vertex >= len(polygon.vertices):
-            self._hot.VisibilityOff()
+            self._highlighted_dot.VisibilityOff()
         else:
             x, y = polygon.vertices[vertex].tolist()
-            self._hot.SetPosition(x, y, 0.0)
-            self._hot.VisibilityOn()
+            self._highlighted_dot.SetPosition(x, y, 0.0)
+            self._highlighted_dot.VisibilityOn()
 
     def follow_window(self) -> None:
         """Keeps the dots' size in pixels when the window's dots per inch change."""
         scale = self._window.GetDPI() / POINTS_PER_INCH
         if scale != self._scale:
             self._scale = scale
-            _resize(self._calm, CALM_RADIUS, CALM_RIM, scale)
-            _resize(self._hot, HOT_RADIUS, HOT_RIM, scale)
+            _resize(self._all_dots, VERTEX_RADIUS_PX, VERTEX_RIM_PX, scale)
+            _resize(self._highlighted_dot, HIGHLIGHT_RADIUS_PX, HIGHLIGHT_RIM_PX, scale)
 
     def close(self) -> None:
         """Takes the layer out of the window."""

@@ -18,11 +18,19 @@ from idviewer.session.planes import active_plane
 from idviewer.session.state import Frame, Point, State
 from idviewer.view.camera import Pose, Projection, View
 from idviewer.view.camera_controller import CameraController
-from idviewer.view.flat import is_flat
 from idviewer.view.handle_geometry import Handle, Part
-from idviewer.view.mouse_state import SHORT, STILL, Grip, Press, cursor_for, is_shift, target_of
+from idviewer.view.mouse_state import (
+    CLICK_MAX_MOVE_PX,
+    CLICK_MAX_MS,
+    Hit,
+    MouseState,
+    cursor_for,
+    is_shift,
+    target_of,
+)
 from idviewer.view.plane_handle import PlaneHandle
-from idviewer.view.render_widget import Smoothing, drawing_widget
+from idviewer.view.polygon_view import is_2d
+from idviewer.view.render_widget import InteractiveQuality, make_render_widget
 from idviewer.view.scene import Scene
 from idviewer.view.vertex_geometry import VertexDrag, vertex_at
 from idviewer.view.vertex_handles import VertexHandles
@@ -35,7 +43,7 @@ class Viewport(QWidget):
         clicked: a Ray, and the target "slice-or-body", "surface" or "chord".
         hovered: the Ray under the mouse, None when it left or is over the handle.
         dragged: the Plane that the handle was dragged to.
-        pointed: the (3,) vertex of a polygon that was clicked.
+        vertex_clicked: the (3,) vertex of a polygon that was clicked.
         reshaped: (n, 2) the vertices of a polygon while one is dragged, or when that is given up.
         reshaping_ended: (n, 2) the vertices of a polygon as they were before one was dragged.
     """
@@ -43,22 +51,22 @@ class Viewport(QWidget):
     clicked = Signal(object, str)
     hovered = Signal(object)
     dragged = Signal(object)
-    pointed = Signal(object)
+    vertex_clicked = Signal(object)
     reshaped = Signal(object)
     reshaping_ended = Signal(object)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._plotter, self._smoothing = drawing_widget(self), Smoothing()
+        self._plotter, self._quality = make_render_widget(self), InteractiveQuality()
         self._scene = Scene(self._plotter)
-        self._eye = CameraController(self._plotter, self.request_draw)
+        self._camera = CameraController(self._plotter, self.request_draw)
         self._handle, self._vertices = PlaneHandle(self._plotter), VertexHandles(self._plotter)
         window = self._plotter.GetRenderWindow()
         self._observers = [(window, window.AddObserver("StartEvent", self._before_draw))]
         self._state = State()
-        self._press: Press | None = None
-        self._mouse: QPointF | None = None
-        self._pointed: Grip | None = None
+        self._mouse: MouseState | None = None
+        self._mouse_position: QPointF | None = None
+        self._highlighted: Hit | None = None
         self._closed = False
         # Once for all frames since the last turn of the event loop, and after the draw, which comes first.
         self._look_again = QTimer(self, singleShot=True, interval=0)
@@ -75,10 +83,10 @@ class Viewport(QWidget):
         """Shows the state's body, markers and handles; the camera stays."""
         self._state = state
         self._scene.show(state)
-        self._eye.beside_bar = state.display.scale_bar
+        self._camera.beside_bar = state.display.scale_bar
         self._handle.show(state.display.handle and self._plane is not None)
         self._vertices.show(self._polygon)
-        self._vertices.highlight(self._pointed if isinstance(self._pointed, int) else None)
+        self._vertices.highlight(self._highlighted if isinstance(self._highlighted, int) else None)
         self.request_draw()
 
     def show_frame(self, frame: Frame | None) -> None:
@@ -92,8 +100,8 @@ class Viewport(QWidget):
         if not self._closed:
             self._plotter.update()
 
-    def _hurry(self, dragging: bool) -> None:
-        if self._smoothing.hurry(self._plotter, dragging):
+    def _set_interactive(self, dragging: bool) -> None:
+        if self._quality.set_interactive(self._plotter, dragging):
             self.request_draw()
 
     def close_down(self) -> None:
@@ -109,19 +117,19 @@ class Viewport(QWidget):
         self._vertices.close()
         self._scene.close()
         self._plotter.close()
-        del self._plotter, self._eye  # whoever still holds this widget must not keep a render window alive
+        del self._plotter, self._camera  # whoever still holds this widget must not keep a render window alive
 
     # The camera
 
     @property
     def pose(self) -> Pose:
-        """Where the eye stands."""
-        return self._eye.pose
+        """Where the camera is."""
+        return self._camera.pose
 
     @property
     def projection(self) -> Projection:
         """What the picture shows at this moment, drawn or not."""
-        return self._eye.projection
+        return self._camera.projection
 
     @property
     def camera_position(self) -> tuple[Point, Point, Point]:
@@ -132,22 +140,22 @@ class Viewport(QWidget):
     def reset_view(self) -> None:
         """Shows the whole shape from the side where it begins."""
         if self._state.shape is not None:
-            self._eye.reset(self._state.shape, self._plane)
+            self._camera.reset(self._state.shape, self._plane)
 
     def look_from(self, view: View) -> None:
         """Shows the whole shape from an axis."""
         if self._state.shape is not None:
-            self._eye.look_from(self._state.shape, view)
+            self._camera.look_from(self._state.shape, view)
 
     def turn_upright(self) -> None:
         """Has another axis point upwards."""
         if self._state.shape is not None:
-            self._eye.next_up(self._state.shape)
+            self._camera.next_up(self._state.shape)
 
     def look_at_plane(self) -> None:
         """Shows the active plane face on, from the side that its normal points to."""
         if self._state.shape is not None and self._plane is not None:
-            self._eye.look_along(self._state.shape, -np.array(self._plane.normal))
+            self._camera.look_along(self._state.shape, -np.array(self._plane.normal))
 
     # The handle
 
@@ -180,18 +188,18 @@ class Viewport(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Grabs a handle, or waits whether this becomes a click or a drag."""
-        if self._press is not None:
+        if self._mouse is not None:
             return
         at, button, modifiers = event.position(), event.button(), event.modifiers()
         left = button == Qt.MouseButton.LeftButton
-        panning = not left or is_shift(modifiers) or is_flat(self._state.shape)
-        self._press = Press(at, button, modifiers, event.timestamp(), panning=panning)
-        grip, handle = self._grip_at(at) if left else None, self.handle
-        if isinstance(grip, Part) and handle is not None:
-            self._press.drag = handle.grab(grip, at.x(), at.y())
-        elif isinstance(grip, int) and self._polygon is not None:
-            self._press.vertex = VertexDrag.grab(self._polygon, grip, self.projection, at.x(), at.y())
-        self._point_out(grip)
+        panning = not left or is_shift(modifiers) or is_2d(self._state.shape)
+        self._mouse = MouseState(at, button, modifiers, event.timestamp(), panning=panning)
+        hit, handle = self._hit_at(at) if left else None, self.handle
+        if isinstance(hit, Part) and handle is not None:
+            self._mouse.drag = handle.grab(hit, at.x(), at.y())
+        elif isinstance(hit, int) and self._polygon is not None:
+            self._mouse.vertex = VertexDrag.grab(self._polygon, hit, self.projection, at.x(), at.y())
+        self._highlight(hit)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """The second press of a double click is a press like any other."""
@@ -199,48 +207,48 @@ class Viewport(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Drags a handle or the camera; without a button, says what is under the mouse."""
-        at, press = event.position(), self._press
-        before, self._mouse = self._mouse, at
-        if press is None:
+        at, mouse = event.position(), self._mouse
+        before, self._mouse_position = self._mouse_position, at
+        if mouse is None:
             self._hover(at)
-        elif press.drag is not None:
-            self._hurry(True)
-            self.dragged.emit(press.drag(at.x(), at.y(), is_shift(event.modifiers())))
-        elif press.given_up:
+        elif mouse.drag is not None:
+            self._set_interactive(True)
+            self.dragged.emit(mouse.drag(at.x(), at.y(), is_shift(event.modifiers())))
+        elif mouse.cancelled:
             return
-        elif press.moved or (at - press.at).manhattanLength() > STILL:
-            self._hurry(True)
-            way = at - (before if press.moved and before is not None else press.at)
-            press.moved = True
-            if press.vertex is not None:
+        elif mouse.moved or (at - mouse.at).manhattanLength() > CLICK_MAX_MOVE_PX:
+            self._set_interactive(True)
+            way = at - (before if mouse.moved and before is not None else mouse.at)
+            mouse.moved = True
+            if mouse.vertex is not None:
                 soft = is_shift(event.modifiers())
-                self.reshaped.emit(press.vertex.to(self.projection, at.x(), at.y(), soft))
+                self.reshaped.emit(mouse.vertex.to(self.projection, at.x(), at.y(), soft))
             else:
-                (self._eye.pan if press.panning else self._eye.orbit)(way.x(), way.y())
+                (self._camera.pan if mouse.panning else self._camera.orbit)(way.x(), way.y())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Ends a drag, or clicks."""
-        press = self._press
-        if press is None or event.button() != press.button:
+        mouse = self._mouse
+        if mouse is None or event.button() != mouse.button:
             return
-        self._press = None
-        self._hurry(False)
-        still = press.drag is None and not press.moved and event.timestamp() - press.time < SHORT
-        if press.vertex is not None and press.moved and not press.given_up:
-            self.reshaping_ended.emit(press.vertex.polygon.vertices)
-        elif press.vertex is not None and still:
-            self.pointed.emit(in_space(press.vertex.polygon.vertices[[press.vertex.vertex]])[0])
-        elif still and press.button == Qt.MouseButton.LeftButton:
-            self.clicked.emit(self.projection.ray(press.at.x(), press.at.y()), target_of(press.modifiers))
+        self._mouse = None
+        self._set_interactive(False)
+        still = mouse.drag is None and not mouse.moved and event.timestamp() - mouse.time < CLICK_MAX_MS
+        if mouse.vertex is not None and mouse.moved and not mouse.cancelled:
+            self.reshaping_ended.emit(mouse.vertex.polygon.vertices)
+        elif mouse.vertex is not None and still:
+            self.vertex_clicked.emit(in_space(mouse.vertex.polygon.vertices[[mouse.vertex.vertex]])[0])
+        elif still and mouse.button == Qt.MouseButton.LeftButton:
+            self.clicked.emit(self.projection.ray(mouse.at.x(), mouse.at.y()), target_of(mouse.modifiers))
         self._hover(event.position())
 
-    def give_up_drag(self) -> bool:
+    def cancel_drag(self) -> bool:
         """Puts a vertex that is being dragged back; tells whether one was. The button may still be down."""
-        press = self._press
-        if press is None or press.vertex is None or not press.moved or press.given_up:
+        mouse = self._mouse
+        if mouse is None or mouse.vertex is None or not mouse.moved or mouse.cancelled:
             return False
-        press.given_up = True
-        self.reshaped.emit(press.vertex.polygon.vertices)
+        mouse.cancelled = True
+        self.reshaped.emit(mouse.vertex.polygon.vertices)
         return True
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802
@@ -248,25 +256,25 @@ class Viewport(QWidget):
         if self._state.shape is None:
             return
         at = event.position()
-        self._eye.zoom(event.angleDelta().y() / 120, at.x(), at.y(), self._state.shape.diagonal)
+        self._camera.zoom(event.angleDelta().y() / 120, at.x(), at.y(), self._state.shape.diagonal)
 
     def enterEvent(self, event: QEnterEvent) -> None:  # noqa: N802
         """The mouse comes in."""
-        self._mouse = event.position()
+        self._mouse_position = event.position()
 
     def leaveEvent(self, event: QEvent) -> None:  # noqa: N802
         """The mouse went away."""
-        self._mouse = None
-        if self._press is None:
-            self._point_out(None)
+        self._mouse_position = None
+        if self._mouse is None:
+            self._highlight(None)
             self.hovered.emit(None)
 
     def _hover(self, at: QPointF) -> None:
-        grip = self._grip_at(at)
-        self._point_out(grip)
-        self.hovered.emit(None if isinstance(grip, Part) else self.projection.ray(at.x(), at.y()))
+        hit = self._hit_at(at)
+        self._highlight(hit)
+        self.hovered.emit(None if isinstance(hit, Part) else self.projection.ray(at.x(), at.y()))
 
-    def _grip_at(self, at: QPointF) -> Grip | None:
+    def _hit_at(self, at: QPointF) -> Hit | None:
         """What can be grabbed there: a part of the plane's handle, or the number of a vertex."""
         if self._polygon is not None:
             return vertex_at(self._polygon, self.projection, at.x(), at.y())
@@ -275,14 +283,14 @@ class Viewport(QWidget):
 
     def _rest(self) -> None:
         """What lies under a mouse that has not moved since the last frame."""
-        if self._press is None and self._mouse is not None:
-            self._hover(self._mouse)
+        if self._mouse is None and self._mouse_position is not None:
+            self._hover(self._mouse_position)
 
-    def _point_out(self, grip: Grip | None) -> None:
-        if grip == self._pointed:
+    def _highlight(self, hit: Hit | None) -> None:
+        if hit == self._highlighted:
             return
-        self._pointed = grip
-        self._handle.highlight(grip if isinstance(grip, Part) else None)
-        self._vertices.highlight(grip if isinstance(grip, int) else None)
-        self.setCursor(cursor_for(grip))
+        self._highlighted = hit
+        self._handle.highlight(hit if isinstance(hit, Part) else None)
+        self._vertices.highlight(hit if isinstance(hit, int) else None)
+        self.setCursor(cursor_for(hit))
         self.request_draw()

@@ -17,21 +17,21 @@ from idviewer.core.shapes import Ray
 from idviewer.session.planes import PlaneCommands
 from idviewer.session.session import Session
 from idviewer.session.state import Frame, Progress, State
-from idviewer.view import cache_menu as clearing
 from idviewer.view import dialogs, images
+from idviewer.view.cache_menu import clear_cache, show_cache_size
 from idviewer.view.dialogs import PictureRequest
-from idviewer.view.flat import is_flat
 from idviewer.view.help import HelpSheet
-from idviewer.view.menus import fill_menu_bar, suit
+from idviewer.view.menus import enable_for, fill_menu_bar
 from idviewer.view.message_bar import MessageBar
 from idviewer.view.panel import Calls, Panel
-from idviewer.view.polygon_edits import Reshaper
+from idviewer.view.polygon_edits import PolygonEdits
+from idviewer.view.polygon_view import is_2d
 from idviewer.view.post import Post
-from idviewer.view.status_line import StatusLine, hint_for, in_words
+from idviewer.view.status_line import StatusLine, describe_probe, hint_for
 from idviewer.view.viewport import Viewport
 
 LOG = logging.getLogger(__name__)
-SAMPLES = {"Meshes": 3, "Polygons": 2}
+SAMPLE_GROUPS = {"Meshes": 3, "Polygons": 2}
 """Groups of the bundled shapes, and their dimensions."""
 NUDGE_SHARE, FAR_NUDGE_SHARE = 0.01, 0.1
 """Shares of the shape's extent that the keys push a plane by."""
@@ -44,22 +44,22 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.session, self._post = session, post
         self._folder = str(Path.cwd())
-        self._asked: Path | None = None
+        self._requested_path: Path | None = None
         self._dialog: QDialog | None = None
         self._closed = False
         self.viewport, self.messages = Viewport(), MessageBar()
         self._planes = PlaneCommands(session)
         self.panel = Panel(Calls(session.set, self.complain), self._planes)
         self.status = StatusLine(self.cancel, session.resume)
-        self._reshaper = Reshaper(session, self.messages, self._show_undo)
+        self._polygon_edits = PolygonEdits(session, self.messages, self._show_undo)
         self._lay_out()
-        samples = {title: sample_names(dimension) for title, dimension in SAMPLES.items()}
+        samples = {title: sample_names(dimension) for title, dimension in SAMPLE_GROUPS.items()}
         self.actions_by_name = fill_menu_bar(self, self._calls(), samples, self._open_sample)
-        clearing.show_size(self.actions_by_name["clear_cache"], session.cache)
+        show_cache_size(self.actions_by_name["clear_cache"], session.cache)
         self.viewport.clicked.connect(session.click)
-        self.viewport.pointed.connect(lambda point: session.set(source=tuple(point.tolist())))
-        self.viewport.reshaped.connect(self._reshaper.move)
-        self.viewport.reshaping_ended.connect(self._reshaper.remember)
+        self.viewport.vertex_clicked.connect(lambda point: session.set(source=tuple(point.tolist())))
+        self.viewport.reshaped.connect(self._polygon_edits.move)
+        self.viewport.reshaping_ended.connect(self._polygon_edits.remember)
         self.viewport.hovered.connect(self._show_probe)
         self.viewport.dragged.connect(self._planes.drag_to)
         self._connections: list[tuple[Any, Callable[..., None]]] = [
@@ -103,10 +103,10 @@ class MainWindow(QMainWindow):
         return {
             "open": self.ask_for_shape,
             "picture": self.ask_for_picture,
-            "clear_cache": lambda: clearing.clear(session.cache, self.status.tell),
+            "clear_cache": lambda: clear_cache(session.cache, self.status.tell),
             "quit": self.close,
-            "undo": self._reshaper.undo,
-            "redo": self._reshaper.redo,
+            "undo": self._polygon_edits.undo,
+            "redo": self._polygon_edits.redo,
             "reset": viewport.reset_view,
             **{view: lambda view=view: viewport.look_from(view) for view in views},  # type: ignore[misc]
             "face": viewport.look_at_plane,
@@ -139,7 +139,7 @@ class MainWindow(QMainWindow):
             self.status.show_shape(new.shape)
             self._show_probe(None)
             self.viewport.show_frame(None)
-            suit(self.actions_by_name, is_flat(new.shape))
+            enable_for(self.actions_by_name, is_2d(new.shape))
         self.viewport.show_state(new)
         self.panel.show_state(new, self.session.frame)
 
@@ -155,7 +155,7 @@ class MainWindow(QMainWindow):
         """One line for the user; for the log the trace too, where the error is ours and not the input's."""
         expected = isinstance(error, ShapeError | SourceError | DistanceError | OSError)
         LOG.error("%s", error, exc_info=None if expected else error)
-        path = self._asked
+        path = self._requested_path
         if isinstance(error, MeshError) and error.components and path is not None:
             several = f"{path.name} has {len(error.components)} components, and distances need a single one."
             offer = f"Open the largest ({error.components[0]:,} faces)"
@@ -165,7 +165,7 @@ class MainWindow(QMainWindow):
 
     def _on_opened(self, shape: Shape, path: Path | None) -> None:
         self.viewport.reset_view()
-        self._reshaper.forget()
+        self._polygon_edits.forget()
         self.setWindowTitle(f"{path.name if path else shape.name} — idviewer")
         if path is not None:
             self._folder = str(path.parent)
@@ -183,8 +183,8 @@ class MainWindow(QMainWindow):
     def open(self, path: Path | str, component: int | None = None) -> None:
         """Opens a mesh or a polygon; the shape that is open stays until the new one is read."""
         self.messages.clear()
-        self._asked = Path(path)
-        self.session.open(self._asked, component)
+        self._requested_path = Path(path)
+        self.session.open(self._requested_path, component)
 
     def _open_sample(self, name: str) -> None:
         self.open(sample_path(name))
@@ -229,7 +229,7 @@ class MainWindow(QMainWindow):
 
     def cancel(self) -> None:
         """Gives up a vertex that is being dragged, or stops the computation; what is shown stays."""
-        if self.viewport.give_up_drag() or not self.session.busy:
+        if self.viewport.cancel_drag() or not self.session.busy:
             return
         self.session.cancel()
         state, frame = self.session.state, self.session.frame
@@ -249,10 +249,13 @@ class MainWindow(QMainWindow):
         if probe is None or probe.value is None or frame is None:
             self.status.show_probe(hint_for(self.session.state.shape))
         else:
-            self.status.show_probe(in_words(probe, frame))
+            self.status.show_probe(describe_probe(probe, frame))
 
     def _show_undo(self) -> None:
-        for name, possible in (("undo", self._reshaper.can_undo), ("redo", self._reshaper.can_redo)):
+        for name, possible in (
+            ("undo", self._polygon_edits.can_undo),
+            ("redo", self._polygon_edits.can_redo),
+        ):
             self.actions_by_name[name].setEnabled(possible)
             self.actions_by_name[name].setToolTip("" if possible else "No vertex has been moved")
 
