@@ -26,7 +26,7 @@ def make_window(work: Work | None = None, cache: SpectrumCache | None = None) ->
 
 
 def run_window(path: Path | None, cache: SpectrumCache | None = None) -> int:
-    """Shows the window on a mesh, or on a bundled shape, until it is closed; returns the exit status."""
+    """Show the window on a mesh, or on a bundled shape, until it is closed; return the exit status."""
     logging.basicConfig(format="%(levelname)s: %(message)s")
     application = QApplication.instance() or QApplication(sys.argv[:1])
     application.setApplicationName("idviewer")

@@ -1,4 +1,4 @@
-"""The command line: one function a verb, each importing what it needs when it runs.
+"""The command line: one function a command, each importing what it needs when it runs.
 
 Results go to standard output, everything else to standard error. Bad input is one line and exit status 2.
 """
@@ -184,7 +184,7 @@ def samples() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs the command line and returns its exit status: 0, or 2 for bad input."""
+    """Run the command line and return its exit status: 0, or 2 for bad input."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         if given and given[0] in DISTANCE_COMMANDS and {"--help", "-h"} & set(given):

@@ -1,4 +1,4 @@
-"""What the verbs do once their arguments are understood. Heavy modules are imported where they are used."""
+"""What the commands do with parsed arguments. Heavy modules are imported where they are used."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def cache_of(no_cache: bool) -> SpectrumCache | None:
-    """Where eigenpairs are kept; None if that is not wanted."""
+    """The user's cache of eigenpairs; None if that is not wanted."""
     from idviewer.session.spectrum_cache import SpectrumCache
 
     return None if no_cache else SpectrumCache.of_user()
@@ -95,7 +95,7 @@ def _refuse_outside(solver: InteriorDistance, points: Sequence[Point], places: l
 
 
 def _box(shape: Shape) -> str:
-    """Where the body is, for those who looked for it elsewhere."""
+    """The bounding box in words, for those who looked for the body elsewhere."""
     corners = ("(" + ", ".join(f"{value:.4g}" for value in corner) + ")" for corner in shape.bounds)
     return f"whose bounding box is {' to '.join(corners)}"
 
@@ -118,14 +118,14 @@ def solver_of(shape: Shape, chosen: ChosenDistance, cache: SpectrumCache | None)
 
 
 def remarks_on_weights(solver: InteriorDistance) -> tuple[str, ...]:
-    """What there is to say of the weights that a solver found."""
+    """Remarks on the weights that a solver found."""
     from idviewer.core.sampling import remarks_on
 
     return remarks_on(solver.coordinates)
 
 
 def print_remarks(remarks: Sequence[str]) -> None:
-    """One line each on standard error."""
+    """Print one line each on standard error."""
     for remark in remarks:
         print(f"idviewer: {remark}", file=sys.stderr)
 
@@ -144,7 +144,7 @@ def distance_as_json(solver: InteriorDistance) -> dict[str, Any]:
 
 
 def check_picture(picture: PictureQuery, options: DisplayOptions) -> None:
-    """Refuses what cannot be drawn, before anything is read or computed."""
+    """Refuse what cannot be drawn, before anything is read or computed."""
     from idviewer.session.state import MAX_ISOLINES
 
     parsing.source_of(picture.source)
@@ -163,7 +163,7 @@ def draw_picture(
     options: DisplayOptions,
     cache: SpectrumCache | None,
 ) -> None:
-    """Computes a picture and writes it."""
+    """Compute a picture and write it."""
     parsing.need_picture_libraries()
     from idviewer.session.state import Display, State
     from idviewer.view.images import write_image
@@ -183,7 +183,7 @@ def draw_picture(
 
 
 def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Query:
-    """What a picture is to show, checked against the shape."""
+    """The query of a picture, checked against the shape."""
     from idviewer.core import Plane
     from idviewer.session.state import Query
 
@@ -198,7 +198,7 @@ def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Que
 
 
 def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:
-    """What a query asks for; of a mesh without a plane, on the one that the window shows first."""
+    """The exact frame of a query; of a mesh without a plane, on the one that the window shows first."""
     from idviewer.core import Plane
     from idviewer.session import default_plane
     from idviewer.session.pipeline import Pipeline

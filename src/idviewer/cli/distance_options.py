@@ -65,7 +65,7 @@ def chosen_distance(options: DistanceOptions) -> tuple[Distance, str]:
 
 
 def _settings(options: DistanceOptions) -> list[tuple[str, str, str]]:
-    """What is to be set: the option as written, the parameter's name, the value's text."""
+    """Settings: the option as written, the parameter's name, the value's text."""
     settings = []
     for text in options.set:
         name, equals, value = text.partition("=")
@@ -85,7 +85,7 @@ def _value(option: str, parameter: Parameter, text: str) -> Any:
 
 
 def _alternatives(name: str, parameter: str) -> str:
-    """What else to write than a parameter that the distance does not have."""
+    """Advice what else to write than a parameter that the distance does not have."""
     from idviewer.core import DISTANCES, parameters_of
 
     others = [other for other, kind in DISTANCES.items() if parameter in parameters_of(kind)]

@@ -134,7 +134,7 @@ def points_in(path: Path, dimension: int) -> tuple[list[Point], list[int], bool]
 
 
 def _numbers(cells: list[str], count: int) -> Point | None:
-    """So many finite numbers; None if the cells hold anything else."""
+    """Exactly so many finite numbers; None if the cells hold anything else."""
     try:
         point = tuple(map(float, cells))
     except ValueError:
@@ -143,7 +143,7 @@ def _numbers(cells: list[str], count: int) -> Point | None:
 
 
 def check_picture_path(path: Path) -> None:
-    """Refuses what cannot be written before anything is computed."""
+    """Refuse what cannot be written before anything is computed."""
     if path.suffix.lower() != ".png":
         raise ValueError(f"{path}: pictures are written as PNG; name a file that ends in .png")
     if path.is_dir():
@@ -180,7 +180,7 @@ def _x_server_answers() -> bool:
 
 
 def need_window_libraries() -> None:
-    """Refuses to open a window where Qt or VTK would end the process."""
+    """Refuse to open a window where Qt or VTK would end the process."""
     needed = WINDOW_LIBRARIES | ({} if os.environ.get("WAYLAND_DISPLAY") else XCB_LIBRARIES)
     missing = [library for library in needed if not _loads(library)] if sys.platform == "linux" else []
     if missing:
@@ -192,7 +192,7 @@ def need_window_libraries() -> None:
 
 
 def need_picture_libraries() -> None:
-    """Refuses to draw where VTK would end the process, and has it not try X11 where that is not installed."""
+    """Refuse to draw where VTK would end the process, and have it not try X11 where that is not installed."""
     if sys.platform != "linux" or (_loads("libX11.so.6") and _loads("libXcursor.so.1")):
         return
     if not _loads("libEGL.so.1") and not _loads("libOSMesa.so.8"):

@@ -1,4 +1,4 @@
-"""What the command line tells of a file: sizes, what is wrong, and whether it can be used."""
+"""The report on a shape's file: sizes, what is wrong, and whether it can be used."""
 
 from __future__ import annotations
 

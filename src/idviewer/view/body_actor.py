@@ -27,7 +27,7 @@ FEATURE_ANGLE_DEGREES = 50.0
 
 
 def transparency(opacity: float) -> float:
-    """How well the inside is seen through the body: 1 through glass, less where it turns solid.
+    """Transparency of the body, as seen from outside: 1 through glass, less where it turns solid.
 
     0 where there is nothing to see through, as the body is solid, or is not there at all.
 
@@ -71,11 +71,11 @@ class BodyActor:
 
     @property
     def actors(self) -> tuple[vtkActor, vtkActor, vtkActor]:
-        """In the order in which they must be drawn."""
+        """All three, in the order in which they must be drawn."""
         return self.translucent, self.mask, self.shell
 
     def show_mesh(self, mesh: Mesh | None, place: Place) -> None:
-        """Shows another mesh, or none."""
+        """Show another mesh, or none."""
         if mesh is None:
             self._surface.Initialize()
         else:
@@ -91,7 +91,7 @@ class BodyActor:
         self.set_opacity(self._opacity)
 
     def set_opacity(self, opacity: float) -> None:
-        """From 0, not to be seen, to 1, solid."""
+        """Set the opacity from 0, not to be seen, to 1, solid."""
         self._opacity = opacity
         shown = self._surface.GetNumberOfCells() > 0
         faint = min(opacity, MAX_TRANSLUCENT_OPACITY)
@@ -104,7 +104,7 @@ class BodyActor:
 
 
 def _leave_no_depth(actor: vtkActor, renderer: vtkRenderer) -> None:
-    """Has an actor hide nothing of what is drawn after it, although it is drawn in the opaque pass.
+    """Have an actor hide nothing of what is drawn after it, although it is drawn in the opaque pass.
 
     VTK tells when a shader is ready, which is after it has set the depth mask and before it draws; it sets
     the mask anew for the next actor.

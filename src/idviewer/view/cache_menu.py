@@ -14,7 +14,7 @@ NO_CACHE_TIP = "The program was started without a cache"
 
 
 def show_cache_size(action: QAction, cache: SpectrumCache | None) -> None:
-    """Has a menu's line tell the cache's size whenever the menu opens; without a cache, disables it."""
+    """Have a menu's line tell the cache's size whenever the menu opens; without a cache, disable it."""
     if cache is None:
         action.setEnabled(False)
         action.setToolTip(NO_CACHE_TIP)
@@ -26,7 +26,7 @@ def show_cache_size(action: QAction, cache: SpectrumCache | None) -> None:
 
 
 def clear_cache(cache: SpectrumCache | None, tell: Callable[[str], object]) -> None:
-    """Clears the cache and tells what that freed."""
+    """Clear the cache and tell what that freed."""
     if cache is None:
         return
     freed = cache.clear()

@@ -1,4 +1,4 @@
-"""Where the eye stands: poses, the moves a mouse makes with them, and what a pixel sees. Only arithmetic."""
+"""Camera poses, the moves a mouse makes with them, and what a pixel sees. Only arithmetic."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ FILL_MARGIN = 1.08
 VIEW_ANGLE_DEGREES = 30.0
 """Vertical field of view in degrees; in a parallel projection, that of the focal point's depth."""
 NEAREST_IN_DIAGONALS, FARTHEST_IN_DIAGONALS = 0.02, 20.0
-"""How near and how far the eye may go, in lengths of the bounding box's diagonal."""
+"""How near and how far the camera may go, in lengths of the bounding box's diagonal."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """An eye at `position` that looks at `focal`, with `up` towards the upper edge of the picture."""
+    """A camera at `position` that looks at `focal`, with `up` towards the upper edge of the picture."""
 
     position: Vector
     focal: Vector
@@ -33,12 +33,12 @@ class Pose:
 
     @property
     def distance(self) -> float:
-        """From the eye to the focal point."""
+        """Distance from the camera to the focal point."""
         return float(np.linalg.norm(self.position - self.focal))
 
     @property
     def half_height(self) -> float:
-        """Of what a picture shows at the focal point's depth, and at any depth in a parallel projection."""
+        """Half the height seen at the focal point's depth; in a parallel projection, at any depth."""
         return self.distance * float(np.tan(np.radians(VIEW_ANGLE_DEGREES / 2)))
 
     @property
@@ -156,7 +156,7 @@ def pan(pose: Pose, right: float, up: float) -> Pose:
 def zoom(pose: Pose, factor: float, fixed: Vector, size: float) -> Pose:
     """The pose brought nearer to a point that keeps its place in the picture.
 
-    factor multiplies the distance; size is the shape's, and bounds how near and how far the eye may go.
+    factor multiplies the distance; size is the shape's, and bounds how near and how far the camera may go.
     """
     factor = (
         float(np.clip(pose.distance * factor, NEAREST_IN_DIAGONALS * size, FARTHEST_IN_DIAGONALS * size))
@@ -177,7 +177,7 @@ def upright(direction: Vector, pole: Vector) -> Vector:
 
 
 def view_direction(view: View, pole: Vector) -> Vector:
-    """Where an axis view looks to, for shapes that stand along the pole: -z for front if y is up."""
+    """The direction of an axis view, for shapes that stand along the pole: -z for front if y is up."""
     right = UNIT_VECTORS[1] if abs(pole[0]) > 0.5 else UNIT_VECTORS[0]
     front = cross(pole, right)  # from the shape's front into the picture
     ways = {"front": front, "right": -right, "top": -pole, "back": -front, "left": right, "bottom": pole}

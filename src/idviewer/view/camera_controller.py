@@ -32,7 +32,7 @@ class CameraController:
 
     @property
     def pose(self) -> Pose:
-        """Where the camera is."""
+        """The camera's position, focal point and up vector."""
         active = self._plotter.renderer.GetActiveCamera()
         return Pose(
             np.array(active.GetPosition()), np.array(active.GetFocalPoint()), np.array(active.GetViewUp())
@@ -40,7 +40,7 @@ class CameraController:
 
     @property
     def projection(self) -> Projection:
-        """What the picture shows at this moment, drawn or not."""
+        """The projection from world to pixels at this moment, drawn or not."""
         scale = self._plotter.devicePixelRatioF()
         width = max(1, round(self._plotter.width() * scale))
         height = max(1, round(self._plotter.height() * scale))
@@ -49,45 +49,45 @@ class CameraController:
         return Projection(np.array(matrix.GetData()).reshape(4, 4), width, height, scale)
 
     def set_pose(self, pose: Pose) -> None:
-        """Puts the camera there."""
+        """Put the camera there."""
         renderer = self._plotter.renderer
         place_camera(renderer, pose, self._parallel)
         renderer.camera_set = True
         self._request_draw()
 
     def reset(self, shape: Shape, plane: Plane | None) -> None:
-        """Shows a whole shape from the side where it begins, a polygon in 2D."""
+        """Show a whole shape from the side where it begins, a polygon in 2D."""
         self._parallel = is_2d(shape)
         position, focal, up = default_camera(shape.vertices, plane, self._aspect)
         self._pole = camera.nearest_axis(up)
         self._set_pose_beside_bar(Pose(np.array(position), np.array(focal), np.array(up)))
 
     def next_up(self, shape: Shape) -> None:
-        """Has another axis point upwards; files do not say which one is meant to."""
+        """Have another axis point upwards; files do not say which one is meant to."""
         self._pole = np.roll(np.abs(self._pole), 1)
         self.look_along(shape, -self.pose.axes[2])
 
     def look_from(self, shape: Shape, view: camera.View) -> None:
-        """Shows a whole shape from an axis."""
+        """Show a whole shape from an axis."""
         self.look_along(shape, camera.view_direction(view, self._pole))
 
     def look_along(self, shape: Shape, direction: camera.Vector) -> None:
-        """Shows a whole shape along a direction."""
+        """Show a whole shape along a direction."""
         angle = np.radians(self._plotter.renderer.GetActiveCamera().GetViewAngle())
         up = camera.upright(direction, self._pole)
         self._set_pose_beside_bar(camera.look(direction, up, shape.vertices, angle, self._aspect))
 
     def orbit(self, right: float, down: float) -> None:
-        """Turns the shape after a mouse that moved so far."""
+        """Turn the shape after a mouse that moved so far."""
         self.set_pose(camera.orbit(self.pose, self._pole, -right * RADIANS_PER_PX, down * RADIANS_PER_PX))
 
     def pan(self, right: float, down: float) -> None:
-        """Has the shape follow a mouse that moved so far."""
+        """Have the shape follow a mouse that moved so far."""
         pixel = self.projection.pixel_size(self.pose.focal)
         self.set_pose(camera.pan(self.pose, -right * pixel, down * pixel))
 
     def zoom(self, notches: float, x: float, y: float, size: float) -> None:
-        """Goes nearer to what is under the mouse, or away from it; size is the shape's."""
+        """Go nearer to what is under the mouse, or away from it; size is the shape's."""
         pose, ray = self.pose, self.projection.ray(x, y)
         start, direction = np.array(ray.origin), np.array(ray.direction)
         forward = -pose.axes[2]
@@ -100,7 +100,7 @@ class CameraController:
 
     @property
     def _aspect(self) -> float:
-        """Of the part of the picture that is left for the shape."""
+        """Width over height of the part of the picture that is left for the shape."""
         return (self._plotter.width() - self._space) / max(1, self._plotter.height())
 
     def _set_pose_beside_bar(self, pose: Pose) -> None:

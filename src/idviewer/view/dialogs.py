@@ -109,7 +109,7 @@ class PictureDialog(QDialog):
         dialog.open()
 
     def accept(self) -> None:
-        """Emits the choice; a name without an ending gets .png."""
+        """Emit the choice; a name without an ending gets .png."""
         path = Path(self.path.text().strip()).expanduser()
         if not path.suffix:
             path = path.with_suffix(".png")
@@ -132,7 +132,7 @@ def _pixels() -> QSpinBox:
 
 
 def open_dialog(folder: str, parent: QWidget) -> QFileDialog:
-    """Asks for a mesh or a polygon; its `fileSelected` says which."""
+    """Ask for a mesh or a polygon; its `fileSelected` says which."""
     dialog = QFileDialog(parent, "Open a mesh or a polygon", folder, shape_file_filter())
     dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
     return dialog
@@ -147,7 +147,7 @@ def shape_file_filter() -> str:
 
 
 def about_dialog(parent: QWidget) -> QMessageBox:
-    """What this is."""
+    """A box that tells what this program is."""
     box = QMessageBox(parent)
     box.setWindowTitle("About idviewer")
     box.setTextFormat(Qt.TextFormat.RichText)

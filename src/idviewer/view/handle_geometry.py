@@ -112,7 +112,7 @@ class Handle:
         return None
 
     def grab(self, part: Part, x: float, y: float) -> Drag:
-        """What moving the mouse will do with the part that was grabbed at (x, y)."""
+        """Begin a drag of the part that was grabbed at (x, y)."""
         moves = {Part.PUSH: self._push, Part.MOVE: self._move, Part.TURN: self._turn}
         return moves[part](np.array([x, y]))
 
@@ -125,7 +125,7 @@ class Handle:
         return push
 
     def _height_under(self, mouse: NDArray[np.float64]) -> float:
-        """Of the point on the normal's line that is closest to the mouse's ray, over the origin."""
+        """Height over the origin of the point on the normal's line that is closest to the mouse's ray."""
         ray = self.projection.ray(*mouse)
         direction, apart = np.array(ray.direction), self.origin - np.array(ray.origin)
         cosine = direction @ self.normal
@@ -142,7 +142,7 @@ class Handle:
         return shift
 
     def _on(self, facing: NDArray[np.float64], mouse: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where the mouse's ray meets the plane through the origin that faces that way."""
+        """The point where the mouse's ray meets the plane through the origin that faces that way."""
         ray = self.projection.ray(*mouse)
         start, direction = np.array(ray.origin), np.array(ray.direction)
         # A ray that (almost) misses the plane would send the handle to the horizon.

@@ -50,7 +50,7 @@ def image(
     camera: Camera | None = None,
     transparent: bool = False,
 ) -> NDArray[np.uint8]:
-    """Draws a picture without a window.
+    """Draw a picture without a window.
 
     Args:
         state: the shape, and how it is displayed.
@@ -96,7 +96,7 @@ def write_image(
     camera: Camera | None = None,
     transparent: bool = False,
 ) -> None:
-    """Draws a picture, like `image`, and writes it as PNG.
+    """Draw a picture, like `image`, and write it as PNG.
 
     It is written beside the file and then renamed, so that the file is there as a whole or not at all.
 
@@ -140,7 +140,7 @@ def default_camera(
 
 
 def place_camera(renderer: vtkRenderer, pose: Pose, parallel: bool) -> None:
-    """Has a renderer look from there, perspectively or not."""
+    """Have a renderer look from there, perspectively or not."""
     camera = renderer.GetActiveCamera()
     camera.SetPosition(*pose.position)
     camera.SetFocalPoint(*pose.focal)
@@ -169,7 +169,7 @@ def _camera(shape: Shape, planes: Sequence[Plane], size: tuple[int, int], bar: f
 
 
 def _scale(size: tuple[int, int]) -> float:
-    """How much larger lines and letters are than in the window."""
+    """Scale of lines and letters against those in the window."""
     like_window, roomy = (
         min(size[0] / width, size[1] / height) for width, height in (WINDOW_SIZE_PX, MIN_ROOMY_SIZE_PX)
     )
@@ -232,7 +232,7 @@ def _read(plotter: pv.Plotter, transparent: bool) -> NDArray[np.uint8]:
 
 @cache
 def _require_opengl() -> None:
-    """Raises an error where VTK finds no OpenGL; drawing there would end the process."""
+    """Raise an error where VTK finds no OpenGL; drawing there would end the process."""
     with _quiet():
         window = vtkRenderWindow()
         window.SetOffScreenRendering(True)
@@ -251,7 +251,7 @@ def _require_opengl() -> None:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keeps VTK from telling standard error about each kind of window that it tries in vain."""
+    """Keep VTK from telling standard error about each kind of window that it tries in vain."""
     before = vtkLogger.GetCurrentVerbosityCutoff()
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     try:

@@ -44,11 +44,11 @@ class Markers:
 
     @property
     def actors(self) -> tuple[vtkActor, ...]:
-        """In the order in which they are drawn."""
+        """All balls, in the order in which they are drawn."""
         return *self._barycentroid.actors, *self._source.actors
 
     def show_frame(self, frame: Frame | None) -> None:
-        """Shows another frame's points, or none."""
+        """Show another frame's points, or none."""
         self._frame = frame
         if frame is not None:
             self._source.move(frame.source)

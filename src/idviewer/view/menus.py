@@ -84,7 +84,7 @@ def fill_menu_bar(
     samples: Mapping[str, Iterable[str]],
     open_sample: Callable[[str], object],
 ) -> dict[str, QAction]:
-    """Builds the menus; returns the actions by name.
+    """Build the menus and return the actions by name.
 
     Args:
         window: whose menu bar is filled.
@@ -116,7 +116,7 @@ def _action(menu: QMenu, entry: Entry, call: Callable[[], object]) -> QAction:
 
 
 def enable_for(actions: Mapping[str, QAction], in_2d: bool) -> None:
-    """Disables what means nothing for a polygon, and says why; enables it for a body."""
+    """Disable what means nothing for a polygon, and say why; enable it for a body."""
     for title, entries in MENUS.items():
         reason = NO_SLICES_TIP if title == "&Slice" else NO_3D_VIEWS_TIP
         for entry in entries:

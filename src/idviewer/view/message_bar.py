@@ -60,11 +60,11 @@ class MessageBar(QFrame):
 
     @property
     def kind(self) -> Kind:
-        """Of the latest message."""
+        """The kind of the latest message."""
         return self.property("kind")
 
     def tell(self, kind: Kind, text: str, offer: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Shows text; offer is a button's label and what it does. What is shown already costs nothing."""
+        """Show text; offer is a button's label and what it does. What is shown already costs nothing."""
         if offer is None and self._action is None and (kind, text) == (self.kind, self.text):
             return
         self.setProperty("kind", kind)
@@ -79,7 +79,7 @@ class MessageBar(QFrame):
         self.show()
 
     def remark(self, text: str) -> None:
-        """Shows a remark on the picture as a note, until there is another or none (an empty text).
+        """Show a remark on the picture as a note, until there is another or none (an empty text).
 
         It does not push an error aside, and does not come back once it is dismissed.
         """
@@ -92,7 +92,7 @@ class MessageBar(QFrame):
             self.clear()
 
     def clear(self) -> None:
-        """Hides the bar."""
+        """Hide the bar."""
         self._action = None
         self.hide()
 

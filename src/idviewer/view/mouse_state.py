@@ -42,7 +42,7 @@ def is_shift(modifiers: Qt.KeyboardModifier) -> bool:
 
 
 def target_of(modifiers: Qt.KeyboardModifier) -> str:
-    """What a click means."""
+    """The target of a click with these keys held."""
     if modifiers & Qt.KeyboardModifier.ControlModifier:
         return "chord"
     return "surface" if is_shift(modifiers) else "slice-or-body"

@@ -41,11 +41,11 @@ class OutlineActor:
 
     @property
     def actors(self) -> tuple[vtkActor, vtkActor]:
-        """In the order in which they must be drawn."""
+        """Lines and joints, in the order in which they must be drawn."""
         return self.lines, self.joints
 
     def show(self, polygon: Polygon | None, place: Place) -> None:
-        """Shows another polygon, or none."""
+        """Show another polygon, or none."""
         for actor in self.actors:
             actor.SetVisibility(polygon is not None)
         if polygon is None:
@@ -61,7 +61,7 @@ class OutlineActor:
             place.apply(actor)
 
     def set_look(self, scale: float) -> None:
-        """Device pixels in a pixel."""
+        """Set the widths; scale is device pixels in a pixel."""
         self.lines.GetProperty().SetLineWidth(POLYGON_OUTLINE_WIDTH_PX * scale)
         half = float(np.ceil(0.5 * POLYGON_OUTLINE_WIDTH_PX * scale + 1.0))
         self.joints.GetProperty().SetPointSize(2 * half)

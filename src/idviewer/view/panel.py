@@ -65,7 +65,7 @@ class Panel(QScrollArea):
         self.setMinimumWidth(content.minimumSizeHint().width() + bar)
 
     def show_state(self, state: State, frame: Frame | None) -> None:
-        """Shows the state; frame tells where the barycentroid is, and lambda_2."""
+        """Show the state; frame tells where the barycentroid is, and lambda_2."""
         self._content.setEnabled(state.shape is not None)
         self.planes.setVisible(not is_2d(state.shape))
         for group in self._groups:
@@ -93,7 +93,7 @@ class SourceGroup(QGroupBox):
         layout.addWidget(self.at_barycentroid, 2, 0, 1, 3)
 
     def show_state(self, state: State, frame: Frame | None) -> None:
-        """Shows the coordinates, also those that were only computed."""
+        """Show the coordinates, also those that were only computed."""
         source = state.query.source
         if source is None and frame is not None and frame.query.source is None:
             source = tuple(frame.source.tolist())
@@ -112,7 +112,7 @@ class SourceGroup(QGroupBox):
             edit.setCursorPosition(0)
 
     def _typed(self) -> None:
-        """Only what was typed counts: the other coordinates must not be rounded to what is shown."""
+        """Take what was typed alone: the other coordinates must not be rounded to what is shown."""
         edited = [edit for edit in self.fields if edit.isModified()]
         if not edited:
             return
@@ -185,7 +185,7 @@ class ShowGroup(QGroupBox):
         self.vertices.clicked.connect(lambda on: calls.set(handle=on))
 
     def show_state(self, state: State, frame: Frame | None) -> None:
-        """Shows the state without calling anything."""
+        """Show the state without calling anything."""
         query, display = state.query, state.display
         for box, value in (
             (self.quantity, query.quantity),

@@ -36,7 +36,7 @@ class CoordinatesRow(QWidget):
         layout.addWidget(self.box, 1)
 
     def show_state(self, state: State) -> None:
-        """Shows the state without calling anything."""
+        """Show the state without calling anything."""
         if state.shape is not None and state.shape.dimension != self._dimension:
             self._dimension = state.shape.dimension
             fit(self.box, COORDINATES, self._dimension)
@@ -51,7 +51,7 @@ class CoordinatesRow(QWidget):
 
 
 def properties_html(kind: type[Coordinates]) -> str:
-    """What a kind of coordinates fulfils, and what not."""
+    """A list of the properties that a kind of coordinates has, and of those it has not."""
     lines = [
         f"{'✓' if one in kind.properties else '✗'} {one.name.replace('_', ' ').lower()}: {one.value}"
         for one in Property
@@ -61,7 +61,7 @@ def properties_html(kind: type[Coordinates]) -> str:
 
 
 def fit(box: QComboBox, kinds: Mapping[str, _Kind], dimension: int) -> None:
-    """Disables those lines of a box whose kinds do not work in a dimension, and says why."""
+    """Disable those lines of a box whose kinds do not work in a dimension, and say why."""
     model = box.model()
     assert isinstance(model, QStandardItemModel)
     for row in range(box.count()):

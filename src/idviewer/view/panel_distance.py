@@ -49,7 +49,7 @@ class DistanceGroup(QGroupBox):
             layout.addWidget(row)
 
     def show_state(self, state: State, frame: Frame | None) -> None:
-        """Shows the state; frame tells the first eigenvalue, by which parameters are measured."""
+        """Show the state; frame tells the first eigenvalue, by which parameters are measured."""
         if state.shape is not self._shape:
             self._show_shape(state.shape, frame)
         if state.query.distance != self._distance:
@@ -92,7 +92,7 @@ class DistanceGroup(QGroupBox):
         self._show(self._waiting or self._distance)
 
     def _change(self, parameter: str, value: Any) -> None:
-        """Raises a ValueError where the value means nothing."""
+        """Raise a ValueError where the value means nothing."""
         self._take(replace(self._waiting or self._distance, **{parameter: value}))
 
 

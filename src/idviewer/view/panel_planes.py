@@ -95,7 +95,7 @@ class PlanesGroup(QGroupBox):
         self.handle.clicked.connect(lambda on: self._calls.set(handle=on))
 
     def show_state(self, state: State, frame: Frame | None) -> None:
-        """Shows the state without calling anything."""
+        """Show the state without calling anything."""
         if state is self._state:
             return  # only another frame of it
         self._state = state

@@ -36,17 +36,17 @@ class RowCalls(Protocol):
     """Whom to tell what cannot be understood."""
 
     def complain(self, text: str) -> None:
-        """One line for the user."""
+        """Tell the user one line."""
 
 
 class Row(Protocol):
     """Shows a parameter's value and lets it be changed."""
 
     def setVisible(self, visible: bool) -> None:  # noqa: N802
-        """As every widget's."""
+        """Show or hide the row."""
 
     def show_value(self, value: Any, lambda_2: float | None) -> None:
-        """Shows a value without calling anything; None for the default."""
+        """Show a value without calling anything; None for the default."""
 
 
 def row_for(parameter: Parameter, change: Callable[[Any], None], calls: RowCalls) -> QWidget:
@@ -113,7 +113,7 @@ class ParameterRow(QWidget):
         grid.setColumnStretch(1, 1)
 
     def show_value(self, value: float | None, lambda_2: float | None) -> None:
-        """Shows a value, None for the default, which is known once the first eigenvalue is."""
+        """Show a value, None for the default, which is known once the first eigenvalue is."""
         self._default = default = None if lambda_2 is None else self._parameter.default(lambda_2)
         self.setEnabled(default is not None)
         self.reset.setEnabled(value is not None)
@@ -172,7 +172,7 @@ class IntegerRow(QWidget):
         _beside(self, parameter.title, self.box)
 
     def show_value(self, value: int | None, lambda_2: float | None) -> None:
-        """Shows a value, None for the one chosen by itself."""
+        """Show a value, None for the one chosen by itself."""
         with QSignalBlocker(self.box):
             self.box.setValue(self._lowest if value is None else value)
 
@@ -188,7 +188,7 @@ class ChoiceRow(QWidget):
         _beside(self, parameter.title, self.box)
 
     def show_value(self, value: str, lambda_2: float | None) -> None:
-        """Shows what is chosen."""
+        """Show what is chosen."""
         self.box.setCurrentIndex(self.box.findData(value))
 
 
@@ -210,7 +210,7 @@ class FileRow(QWidget):
         layout.addWidget(self.note)
 
     def show_value(self, value: object, lambda_2: float | None) -> None:
-        """Shows the file's name."""
+        """Show the file's name."""
         if value is None:
             name = f"It needs {self._parameter.in_words()}; what is shown stays until there is one."
         else:
@@ -220,7 +220,7 @@ class FileRow(QWidget):
             self.note.setText(name)
 
     def ask(self) -> None:
-        """Shows the file dialog, which does not block."""
+        """Show the file dialog, which does not block."""
         suffix = self._parameter.suffix
         files = f"{self._parameter.title} (*{suffix});;All files (*)"
         self.dialog = dialog = QFileDialog(self, f"Open {self._parameter.content}", "", files)
@@ -231,7 +231,7 @@ class FileRow(QWidget):
         dialog.open()
 
     def choose(self, path: str) -> None:
-        """Takes a file."""
+        """Take a file."""
         try:
             self._change(path)
         except ValueError as error:
@@ -259,7 +259,7 @@ class FormulaRow(QWidget):
         layout.addWidget(self.error)
 
     def show_value(self, value: object, lambda_2: float | None) -> None:
-        """Shows the expression, but for one that is being written or has an error beside it."""
+        """Show the expression, but for one that is being written or has an error beside it."""
         shown = value if isinstance(value, str) else str(value)
         if shown != self._shown:
             self._shown = shown

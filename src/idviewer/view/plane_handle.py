@@ -39,16 +39,16 @@ class PlaneHandle:
         self.show(False)
 
     def show(self, visible: bool) -> None:
-        """Shown or hidden."""
+        """Show or hide the handle."""
         self._layer.SetDraw(visible)
 
     def highlight(self, part: Part | None) -> None:
-        """Colours the part that is under the mouse or is being dragged."""
+        """Colour the part that is under the mouse or is being dragged."""
         for other, actor in self._actors.items():
             actor.prop.color = HANDLE_HIGHLIGHT_COLOR if other is part else HANDLE_COLOR
 
     def place(self, handle: Handle) -> None:
-        """Puts the actors where the handle is, seen by the eye that sees the scene."""
+        """Put the actors where the handle is, seen by the eye that sees the scene."""
         self._pose.DeepCopy(_matrix(handle))
         for actor in (self._actors[Part.PUSH], self._halos[Part.PUSH]):
             actor.visibility = not handle.foreshortened
@@ -60,7 +60,7 @@ class PlaneHandle:
         return [*self._actors.values(), *self._halos.values()]
 
     def close(self) -> None:
-        """Takes the layer out of the window."""
+        """Take the layer out of the window."""
         self._window.RemoveRenderer(self._layer)
         self._layer.RemoveAllViewProps()
         del self._window, self._main, self._layer
@@ -76,7 +76,7 @@ def _actor(mesh: pv.PolyData) -> pv.Actor:
 
 
 def _halo(mesh: pv.PolyData) -> pv.Actor:
-    """Only the far side of a thicker copy, so that it is seen around the part and never in front of it."""
+    """The far side alone of a thicker copy, so that it is seen around the part and never in front of it."""
     actor = pv.Actor(mapper=pv.DataSetMapper(mesh))
     actor.prop.color, actor.prop.lighting, actor.prop.culling = HALO_COLOR, False, "front"
     actor.pickable = False

@@ -31,7 +31,7 @@ class Place:
         return as_points((in_space(positions) - self.centre) / self.size)
 
     def apply(self, actor: vtkActor) -> None:
-        """Has an actor with local coordinates stand where the body is."""
+        """Have an actor with local coordinates stand where the body is."""
         actor.SetPosition(*self.centre)
         actor.SetScale(self.size)
 

@@ -40,7 +40,7 @@ class PolygonEdits:
         return bool(self._after)
 
     def move(self, vertices: Floats) -> None:
-        """Moves the vertices there; where that is no polygon they stay, and one line says why."""
+        """Move the vertices there; where that is no polygon they stay, and one line says why."""
         try:
             self._session.reshape(vertices)
         except PolygonError as error:
@@ -50,7 +50,7 @@ class PolygonEdits:
             self.forget_reason()
 
     def forget_reason(self) -> None:
-        """Takes the line away, if it is still there."""
+        """Take the line away, if it is still there."""
         if self._reason and self._messages.text == self._reason:
             self._messages.clear()
         self._reason = ""
@@ -64,15 +64,15 @@ class PolygonEdits:
             self._on_change()
 
     def undo(self) -> None:
-        """Takes the last move back."""
+        """Take the last move back."""
         self._exchange(self._before, self._after)
 
     def redo(self) -> None:
-        """Makes the move again that was taken back last."""
+        """Make the move again that was taken back last."""
         self._exchange(self._after, self._before)
 
     def forget(self) -> None:
-        """Another shape is there."""
+        """Forget all moves: another shape is there."""
         self._before.clear()
         self._after.clear()
         self._reason = ""
@@ -92,7 +92,7 @@ class PolygonEdits:
 
 
 def _shortened(error: PolygonError) -> str:
-    """What is wrong, without the file's name, places and advice: all that is seen in the picture.
+    """The error without the file's name, places and advice: all that is seen in the picture.
 
     >>> _shortened(PolygonError("star: edge 1-2 from (0, 1) to (2, 1) crosses vertex 7 (1, 0); move one"))
     'edge 1-2 crosses vertex 7'

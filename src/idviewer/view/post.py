@@ -18,12 +18,12 @@ class Post(QObject):
         self._posted.connect(self._run, Qt.ConnectionType.QueuedConnection)
 
     def __call__(self, call: Callable[[], None]) -> None:
-        """Has the GUI thread run call on a later turn of its event loop."""
+        """Have the GUI thread run call on a later turn of its event loop."""
         if self._open:
             self._posted.emit(call)
 
     def close(self) -> None:
-        """What is still on its way is dropped."""
+        """Drop what is still on its way."""
         self._open = False
 
     @Slot(object)

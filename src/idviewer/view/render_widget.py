@@ -24,7 +24,7 @@ class InteractiveQuality:
         self._samples: int | None = None
 
     def set_interactive(self, plotter: QtInteractor, dragging: bool) -> bool:
-        """Smooths less while dragging; tells whether that has changed the picture."""
+        """Smooth less while dragging; return whether that has changed the picture."""
         window = plotter.GetRenderWindow()
         if self._samples is None:
             software = any(name in window.ReportCapabilities() for name in ("llvmpipe", "softpipe"))

@@ -50,7 +50,7 @@ class ScaleBar:
         return self._bar, self._ruling, self._title, self._note, *self._labels
 
     def hide(self) -> None:
-        """Shows nothing."""
+        """Show nothing."""
         self._shown = None
         for actor in self.actors:
             actor.VisibilityOff()
@@ -63,7 +63,7 @@ class ScaleBar:
         isolines: int,
         scale: float,
     ) -> None:
-        """Shows a range of values in (n, 3) colours from low to high; scale is device pixels in a pixel.
+        """Show a range of values in (n, 3) colours from low to high; scale is device pixels in a pixel.
 
         What is shown already costs nothing.
         """

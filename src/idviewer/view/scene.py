@@ -59,7 +59,7 @@ class Scene:
         self._apply_display()
 
     def show(self, state: State) -> None:
-        """Shows the state's body, in the way its display says; what is shown already costs nothing."""
+        """Show the state's body, in the way its display says; what is shown already costs nothing."""
         if self._renderer is None:
             return
         if state.shape is not self._shape:
@@ -71,7 +71,7 @@ class Scene:
             self._apply_display()
 
     def show_frame(self, frame: Frame | None) -> None:
-        """Shows what a frame says; with none, there are no slices, markers or scale bar."""
+        """Show what a frame says; with none, there are no slices, markers or scale bar."""
         if self._renderer is None:
             return
         self._frame = frame
@@ -89,7 +89,7 @@ class Scene:
         self._show_bar()
 
     def close(self) -> None:
-        """Takes everything out of the plotter and lets go of it; may be called again."""
+        """Take everything out of the plotter and let go of it; may be called again."""
         if self._renderer is None:
             return
         for prop in self._props:
@@ -132,7 +132,7 @@ class Scene:
             self._bar.show(frame.title, frame.value_range, colors(display.colormap), display.isolines, scale)
 
     def _stack(self) -> None:
-        """Puts the props into the renderer in the order in which they must be drawn."""
+        """Put the props into the renderer in the order in which they must be drawn."""
         assert self._renderer is not None
         for prop in self._props:
             self._renderer.RemoveViewProp(prop)

@@ -25,7 +25,7 @@ class Shader:
         return Shader({**self.vertex, _POSITION_TAG: code}, self.fragment)
 
     def install(self, actor: vtkActor, **uniforms: float) -> None:
-        """Makes an actor be drawn by this code, its uniforms set to these values."""
+        """Make an actor be drawn by this code, its uniforms set to these values."""
         looks = actor.GetShaderProperty()
         for tag, code in self.vertex.items():
             looks.AddVertexShaderReplacement(f"//VTK::{tag}", True, f"//VTK::{tag}\n{code}", False)
@@ -35,7 +35,7 @@ class Shader:
 
 
 def set_uniforms(actor: vtkActor, **values: float) -> None:
-    """Steers an actor's shader; values that are already set cost nothing."""
+    """Steer an actor's shader; values that are already set cost nothing."""
     uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
     for name, value in values.items():
         uniforms.SetUniformf(name, value)

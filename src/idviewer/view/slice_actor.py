@@ -64,11 +64,11 @@ class SliceActor:
 
     @property
     def actors(self) -> tuple[vtkActor, ...]:
-        """In the order in which they must be drawn, the body between the first and the others."""
+        """All layers in the order in which they must be drawn, the body between the first and the others."""
         return self.base, self.edge, self.mask, self.clear, self.outline
 
     def show(self, section: SliceValues, value_range: tuple[float, float], place: Place, alone: bool) -> None:
-        """Shows another section; value_range is what the colours span, alone whether there is no other."""
+        """Show another section; value_range is what the colours span, alone whether there is no other."""
         self._alone = alone
         if not len(section.triangles):
             self.hide()
@@ -86,13 +86,13 @@ class SliceActor:
         self._set_visible(True)
 
     def hide(self) -> None:
-        """Shows nothing, and lets go of the arrays."""
+        """Show nothing, and let go of the arrays."""
         self._section.Initialize()
         self._loops.Initialize()
         self._set_visible(False)
 
     def set_look(self, isolines: int, opacity: float, scale: float, edged: bool = True) -> None:
-        """How many steps isolines separate, the opacity of the body around, and device pixels in a pixel.
+        """Set the steps between isolines, the opacity of the body around, and device pixels in a pixel.
 
         A section that is not edged is left to whoever draws the outline: of a polygon, that is the body.
         """

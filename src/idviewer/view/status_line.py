@@ -28,7 +28,7 @@ EMPTY_HINT = "Open a mesh or a polygon with Ctrl+O, or drop a file here"
 
 
 def hint_for(shape: Shape | None) -> str:
-    """What can be done with it."""
+    """A hint of what can be done with a shape."""
     if shape is None:
         return EMPTY_HINT
     return POLYGON_HINT if is_2d(shape) else MESH_HINT
@@ -73,7 +73,7 @@ class StatusLine(QStatusBar):
         self._show_preview(False)
 
     def show_shape(self, shape: Shape | None) -> None:
-        """Numbers of vertices and of faces or edges; the modes are not known yet."""
+        """Show the numbers of vertices and of faces or edges; the modes are not known yet."""
         facets = (
             "" if shape is None else f"{len(shape.facets):,} {'faces' if shape.dimension == 3 else 'edges'}"
         )
@@ -83,11 +83,11 @@ class StatusLine(QStatusBar):
         self._show_preview(False)
 
     def show_ready(self, ready: Ready) -> None:
-        """Number of modes."""
+        """Show the number of modes."""
         self.modes.setText(f"{ready.modes:,} modes" if ready.modes else "")
 
     def show_frame(self, frame: Frame, refining: bool) -> None:
-        """Says so while the picture is a preview.
+        """Say so while the picture is a preview.
 
         Args:
             frame: that is shown.
@@ -102,7 +102,7 @@ class StatusLine(QStatusBar):
         self.preview.setText(f"{words}; refining" if words and refining else words)
 
     def show_progress(self, progress: Progress | None) -> None:
-        """Names the stage, and how far it is; None hides it."""
+        """Name the stage, and how far it is; None hides it."""
         if progress is None:
             self._delay.stop()
             self._show_work(False)
@@ -118,7 +118,7 @@ class StatusLine(QStatusBar):
             self._delay.start()
 
     def show_stopped(self) -> None:
-        """Says that the computation was cancelled, and offers to start it again."""
+        """Say that the computation was cancelled, and offer to start it again."""
         self._delay.stop()
         self._show_work(False)
         self._stopped = True
@@ -129,11 +129,11 @@ class StatusLine(QStatusBar):
         self.button.show()
 
     def tell(self, text: str) -> None:
-        """Says what was done, for some seconds."""
+        """Say what was done, for some seconds."""
         self.showMessage(text, MESSAGE_MS)
 
     def show_probe(self, text: str) -> None:
-        """What is under the cursor."""
+        """Show what is under the cursor."""
         self.probe.setText(text)
 
     def _show_work(self, visible: bool) -> None:

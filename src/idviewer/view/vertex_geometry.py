@@ -39,7 +39,7 @@ class VertexDrag:
 
     @classmethod
     def grab(cls, polygon: Polygon, vertex: int, projection: Projection, x: float, y: float) -> VertexDrag:
-        """Has the mouse at (x, y) hold a vertex."""
+        """Have the mouse at (x, y) hold a vertex."""
         return cls(polygon, vertex, polygon.vertices[vertex] - _under(projection, x, y))
 
     def to(self, projection: Projection, x: float, y: float, soft: bool = False) -> Floats:

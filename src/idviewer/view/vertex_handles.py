@@ -46,7 +46,7 @@ class VertexHandles:
         self.highlight(None)
 
     def show(self, polygon: Polygon | None) -> None:
-        """Shows the vertices of another polygon, or none."""
+        """Show the vertices of another polygon, or none."""
         self._layer.SetDraw(polygon is not None)
         if polygon is None or polygon is self._shown:
             return
@@ -58,7 +58,7 @@ class VertexHandles:
         place.apply(self._all_dots)
 
     def highlight(self, vertex: int | None) -> None:
-        """Points out the vertex that is under the mouse or is being dragged."""
+        """Point out the vertex that is under the mouse or is being dragged."""
         polygon = self._shown
         if polygon is None or vertex is None or vertex >= len(polygon.vertices):
             self._highlighted_dot.VisibilityOff()
@@ -68,7 +68,7 @@ class VertexHandles:
             self._highlighted_dot.VisibilityOn()
 
     def follow_window(self) -> None:
-        """Keeps the dots' size in pixels when the window's dots per inch change."""
+        """Keep the dots' size in pixels when the window's dots per inch change."""
         scale = self._window.GetDPI() / POINTS_PER_INCH
         if scale != self._scale:
             self._scale = scale
@@ -76,7 +76,7 @@ class VertexHandles:
             _resize(self._highlighted_dot, HIGHLIGHT_RADIUS_PX, HIGHLIGHT_RIM_PX, scale)
 
     def close(self) -> None:
-        """Takes the layer out of the window."""
+        """Take the layer out of the window."""
         self._window.RemoveRenderer(self._layer)
         self._layer.RemoveAllViewProps()
         del self._window, self._layer

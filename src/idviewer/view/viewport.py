@@ -80,7 +80,7 @@ class Viewport(QWidget):
     # What is shown
 
     def show_state(self, state: State) -> None:
-        """Shows the state's body, markers and handles; the camera stays."""
+        """Show the state's body, markers and handles; the camera stays."""
         self._state = state
         self._scene.show(state)
         self._camera.beside_bar = state.display.scale_bar
@@ -90,13 +90,13 @@ class Viewport(QWidget):
         self.request_draw()
 
     def show_frame(self, frame: Frame | None) -> None:
-        """Shows what the frame says."""
+        """Show what the frame says."""
         self._scene.show_frame(frame)
         self.request_draw()
         self._look_again.start()
 
     def request_draw(self) -> None:
-        """Has the picture drawn once when the event loop gets to it, however often this is called."""
+        """Have the picture drawn once when the event loop gets to it, however often this is called."""
         if not self._closed:
             self._plotter.update()
 
@@ -105,7 +105,7 @@ class Viewport(QWidget):
             self.request_draw()
 
     def close_down(self) -> None:
-        """Gives everything back to VTK and Qt; may be called again."""
+        """Give everything back to VTK and Qt; may be called again."""
         if self._closed:
             return
         self._closed = True
@@ -123,12 +123,12 @@ class Viewport(QWidget):
 
     @property
     def pose(self) -> Pose:
-        """Where the camera is."""
+        """The camera's position, focal point and up vector."""
         return self._camera.pose
 
     @property
     def projection(self) -> Projection:
-        """What the picture shows at this moment, drawn or not."""
+        """The projection from world to pixels at this moment, drawn or not."""
         return self._camera.projection
 
     @property
@@ -138,22 +138,22 @@ class Viewport(QWidget):
         return position, focal, up
 
     def reset_view(self) -> None:
-        """Shows the whole shape from the side where it begins."""
+        """Show the whole shape from the side where it begins."""
         if self._state.shape is not None:
             self._camera.reset(self._state.shape, self._plane)
 
     def look_from(self, view: View) -> None:
-        """Shows the whole shape from an axis."""
+        """Show the whole shape from an axis."""
         if self._state.shape is not None:
             self._camera.look_from(self._state.shape, view)
 
     def turn_upright(self) -> None:
-        """Has another axis point upwards."""
+        """Have another axis point upwards."""
         if self._state.shape is not None:
             self._camera.next_up(self._state.shape)
 
     def look_at_plane(self) -> None:
-        """Shows the active plane face on, from the side that its normal points to."""
+        """Show the active plane face on, from the side that its normal points to."""
         if self._state.shape is not None and self._plane is not None:
             self._camera.look_along(self._state.shape, -np.array(self._plane.normal))
 
@@ -187,7 +187,7 @@ class Viewport(QWidget):
     # The mouse
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Grabs a handle, or waits whether this becomes a click or a drag."""
+        """Grab a handle, or waits whether this becomes a click or a drag."""
         if self._mouse is not None:
             return
         at, button, modifiers = event.position(), event.button(), event.modifiers()
@@ -206,7 +206,7 @@ class Viewport(QWidget):
         self.mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Drags a handle or the camera; without a button, says what is under the mouse."""
+        """Drag a handle or the camera; without a button, say what is under the mouse."""
         at, mouse = event.position(), self._mouse
         before, self._mouse_position = self._mouse_position, at
         if mouse is None:
@@ -227,7 +227,7 @@ class Viewport(QWidget):
                 (self._camera.pan if mouse.panning else self._camera.orbit)(way.x(), way.y())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Ends a drag, or clicks."""
+        """End a drag, or clicks."""
         mouse = self._mouse
         if mouse is None or event.button() != mouse.button:
             return
@@ -243,7 +243,7 @@ class Viewport(QWidget):
         self._hover(event.position())
 
     def cancel_drag(self) -> bool:
-        """Puts a vertex that is being dragged back; tells whether one was. The button may still be down."""
+        """Put a vertex that is being dragged back; return whether one was. The button may still be down."""
         mouse = self._mouse
         if mouse is None or mouse.vertex is None or not mouse.moved or mouse.cancelled:
             return False
@@ -252,7 +252,7 @@ class Viewport(QWidget):
         return True
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802
-        """Zooms towards what is under the mouse."""
+        """Zoom towards what is under the mouse."""
         if self._state.shape is None:
             return
         at = event.position()
@@ -275,14 +275,14 @@ class Viewport(QWidget):
         self.hovered.emit(None if isinstance(hit, Part) else self.projection.ray(at.x(), at.y()))
 
     def _hit_at(self, at: QPointF) -> Hit | None:
-        """What can be grabbed there: a part of the plane's handle, or the number of a vertex."""
+        """The hit there: a part of the plane's handle, or the number of a vertex."""
         if self._polygon is not None:
             return vertex_at(self._polygon, self.projection, at.x(), at.y())
         handle = self.handle
         return handle.part_at(at.x(), at.y()) if handle is not None else None
 
     def _rest(self) -> None:
-        """What lies under a mouse that has not moved since the last frame."""
+        """Look again at what lies under a mouse that has not moved since the last frame."""
         if self._mouse is None and self._mouse_position is not None:
             self._hover(self._mouse_position)
 

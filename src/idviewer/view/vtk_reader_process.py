@@ -105,7 +105,7 @@ def _output(readers: dict[str, type], kind: str, data: bytes) -> vtkPointSet:
 
 
 def _refuse_errors(told: str | bytes) -> None:
-    """Raises VTK's first error; what it only warns of is none of a surface's points and cells."""
+    """Raise VTK's first error; what it only warns of is none of a surface's points and cells."""
     output = told if isinstance(told, str) else told.decode(errors="replace")  # VTK quotes what it finds
     error = re.search(r"ERROR: In .*, line \d+\n(?:\w+ \(0x\w+\): )?(.*)", output)
     if error:
@@ -148,7 +148,7 @@ def _cells(cells: vtkCellArray | None) -> Cells:
 
 
 def main() -> int:
-    """Answers one file and returns the exit status."""
+    """Answer one file and return the exit status."""
     with suppress(ImportError):  # there is none on Windows, nor core dumps
         import resource
 

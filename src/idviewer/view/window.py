@@ -21,6 +21,7 @@ from idviewer.view import dialogs, images
 from idviewer.view.cache_menu import clear_cache, show_cache_size
 from idviewer.view.dialogs import PictureRequest
 from idviewer.view.help import HelpSheet
+from idviewer.view.menu_commands import menu_commands
 from idviewer.view.menus import enable_for, fill_menu_bar
 from idviewer.view.message_bar import MessageBar
 from idviewer.view.panel import Calls, Panel
@@ -33,8 +34,6 @@ from idviewer.view.viewport import Viewport
 LOG = logging.getLogger(__name__)
 SAMPLE_GROUPS = {"Meshes": 3, "Polygons": 2}
 """Groups of the bundled shapes, and their dimensions."""
-NUDGE_SHARE, FAR_NUDGE_SHARE = 0.01, 0.1
-"""Shares of the shape's extent that the keys push a plane by."""
 
 
 class MainWindow(QMainWindow):
@@ -54,7 +53,8 @@ class MainWindow(QMainWindow):
         self._polygon_edits = PolygonEdits(session, self.messages, self._show_undo)
         self._lay_out()
         samples = {title: sample_names(dimension) for title, dimension in SAMPLE_GROUPS.items()}
-        self.actions_by_name = fill_menu_bar(self, self._calls(), samples, self._open_sample)
+        commands = menu_commands(session, self.viewport, self._planes) | self._menu_commands()
+        self.actions_by_name = fill_menu_bar(self, commands, samples, self._open_sample)
         show_cache_size(self.actions_by_name["clear_cache"], session.cache)
         self.viewport.clicked.connect(session.click)
         self.viewport.vertex_clicked.connect(lambda point: session.set(source=tuple(point.tolist())))
@@ -96,36 +96,17 @@ class MainWindow(QMainWindow):
         self.setWindowTitle("idviewer")
         self.resize(1280, 840)
 
-    def _calls(self) -> dict[str, Callable[[], object]]:
-        """What the menus do."""
-        session, viewport, planes = self.session, self.viewport, self._planes
-        views = ("front", "back", "left", "right", "top", "bottom")
+    def _menu_commands(self) -> dict[str, Callable[[], object]]:
+        """Callables of the menus' lines that need the window, by their names."""
         return {
             "open": self.ask_for_shape,
             "picture": self.ask_for_picture,
-            "clear_cache": lambda: clear_cache(session.cache, self.status.tell),
+            "clear_cache": lambda: clear_cache(self.session.cache, self.status.tell),
             "quit": self.close,
             "undo": self._polygon_edits.undo,
             "redo": self._polygon_edits.redo,
-            "reset": viewport.reset_view,
-            **{view: lambda view=view: viewport.look_from(view) for view in views},  # type: ignore[misc]
-            "face": viewport.look_at_plane,
-            "upright": viewport.turn_upright,
             "controls": lambda: self.dock.setVisible(self.dock.isHidden()),
-            **{f"plane_{axis}": lambda axis=axis: planes.turn_to(axis) for axis in "xyz"},  # type: ignore[misc]
-            "through": planes.move_through_source,
-            "forward": lambda: planes.nudge(NUDGE_SHARE),
-            "backward": lambda: planes.nudge(-NUDGE_SHARE),
-            "far_forward": lambda: planes.nudge(FAR_NUDGE_SHARE),
-            "far_backward": lambda: planes.nudge(-FAR_NUDGE_SHARE),
-            "add_plane": planes.add,
-            "remove_plane": planes.remove,
-            "handle": lambda: session.set(handle=not session.state.display.handle),
-            "at_barycentroid": lambda: session.set(source=None),
-            "barycentroid": lambda: session.set(barycentroid=not session.state.display.barycentroid),
-            "quantity": self._switch_quantity,
             "cancel": self.cancel,
-            "resume": session.resume,
             "keys": lambda: self._show_dialog(HelpSheet(self)),
             "about": lambda: self._show_dialog(dialogs.about_dialog(self)),
         }
@@ -152,7 +133,7 @@ class MainWindow(QMainWindow):
             self.status.show_progress(Progress("Refining"))
 
     def on_failed(self, error: BaseException) -> None:
-        """One line for the user; for the log the trace too, where the error is ours and not the input's."""
+        """Tell the user one line; the log gets the trace too, where the error is ours and not the input's."""
         expected = isinstance(error, ShapeError | SourceError | DistanceError | OSError)
         LOG.error("%s", error, exc_info=None if expected else error)
         path = self._requested_path
@@ -177,11 +158,11 @@ class MainWindow(QMainWindow):
     # What the user asks for
 
     def complain(self, text: str) -> None:
-        """One line that does not block."""
+        """Tell the user one line, which does not block."""
         self.messages.tell("error", text)
 
     def open(self, path: Path | str, component: int | None = None) -> None:
-        """Opens a mesh or a polygon; the shape that is open stays until the new one is read."""
+        """Open a mesh or a polygon; the shape that is open stays until the new one is read."""
         self.messages.clear()
         self._requested_path = Path(path)
         self.session.open(self._requested_path, component)
@@ -190,13 +171,13 @@ class MainWindow(QMainWindow):
         self.open(sample_path(name))
 
     def ask_for_shape(self) -> None:
-        """Shows the file dialog."""
+        """Show the file dialog."""
         dialog = dialogs.open_dialog(self._folder, self)
         dialog.fileSelected.connect(lambda path: self.open(path))
         self._show_dialog(dialog)
 
     def ask_for_picture(self) -> None:
-        """Shows the picture dialog."""
+        """Show the picture dialog."""
         shape = self.session.state.shape
         if shape is None:
             return
@@ -208,7 +189,7 @@ class MainWindow(QMainWindow):
         self._show_dialog(dialog)
 
     def save_picture(self, request: PictureRequest) -> None:
-        """Writes the picture that the window shows, in the requested size."""
+        """Write the picture that the window shows, in the requested size."""
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
             images.write_image(
@@ -228,7 +209,7 @@ class MainWindow(QMainWindow):
             QGuiApplication.restoreOverrideCursor()
 
     def cancel(self) -> None:
-        """Gives up a vertex that is being dragged, or stops the computation; what is shown stays."""
+        """Give up a vertex that is being dragged, or stops the computation; what is shown stays."""
         if self.viewport.cancel_drag() or not self.session.busy:
             return
         self.session.cancel()
@@ -238,10 +219,6 @@ class MainWindow(QMainWindow):
         )
         if state.shape is not None and not complete:
             self.status.show_stopped()
-
-    def _switch_quantity(self) -> None:
-        other = {"distance": "potential", "potential": "distance"}
-        self.session.set(quantity=other[self.session.state.query.quantity])
 
     def _show_probe(self, ray: Ray | None) -> None:
         probe = self.session.probe(ray) if ray is not None else None
@@ -260,7 +237,7 @@ class MainWindow(QMainWindow):
             self.actions_by_name[name].setToolTip("" if possible else "No vertex has been moved")
 
     def _show_dialog(self, dialog: QDialog) -> None:
-        """One dialog at a time, beside the event loop."""
+        """Show a dialog beside the event loop, one at a time."""
         if self._dialog is not None:
             self._dialog.close()
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -279,7 +256,7 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:  # noqa: N802
-        """Opens the one file that was dropped."""
+        """Open the one file that was dropped."""
         urls = event.mimeData().urls()
         if len(urls) != 1 or not urls[0].isLocalFile():
             self.complain("Drop one file from this machine at a time.")
@@ -288,7 +265,7 @@ class MainWindow(QMainWindow):
         self.open(urls[0].toLocalFile())
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
-        """Ends everything, in the middle of whatever it is."""
+        """End everything, in the middle of whatever it is."""
         self.close_down()
         event.accept()
 
