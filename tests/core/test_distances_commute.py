@@ -66,7 +66,7 @@ def test_the_dense_embedding_is_that_of_the_pseudo_inverse(mesh, solver, rng):
 @pytest.mark.slow
 def test_gps_with_all_modes_is_the_commute_time_without_a_factor(mesh, solver, rng):
     points = inner_points(mesh, rng, 40)
-    everything = InteriorDistance(mesh, GPS(), spectrum=eigenpairs(mesh, lambda _: math.inf))
+    everything = InteriorDistance(mesh, GPS(), spectrum=eigenpairs(mesh, cutoff=lambda _: math.inf))
     np.testing.assert_allclose(
         everything.field(points[0], points[1:]), solver.field(points[0], points[1:]), rtol=1e-8
     )
@@ -119,8 +119,8 @@ def test_large_meshes_have_pairs_and_a_barycentroid_but_no_dense_embedding(mesh,
 @pytest.mark.slow
 def test_truncation_never_lengthens_and_more_modes_err_less(mesh):
     few = eigenpairs(mesh)
-    more = eigenpairs(mesh, lambda lambda_2: 400.0 * lambda_2)
-    everything = eigenpairs(mesh, lambda _: math.inf)
+    more = eigenpairs(mesh, cutoff=lambda lambda_2: 400.0 * lambda_2)
+    everything = eigenpairs(mesh, cutoff=lambda _: math.inf)
     i, j = np.random.default_rng(0).integers(0, len(mesh.vertices), (2, 40))
     i, j = i[i != j], j[i != j]
     exact = InteriorDistance(mesh, CommuteTime()).distance(mesh.vertices[i], mesh.vertices[j])

@@ -40,7 +40,7 @@ def mesh() -> Mesh:
 
 @pytest.fixture(scope="module")
 def everything(mesh: Mesh) -> Spectrum:
-    return eigenpairs(mesh, lambda _: math.inf)
+    return eigenpairs(mesh, cutoff=lambda _: math.inf)
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ def test_distances_scale_with_a_power_of_the_size(mesh, rng, distance, scaled, p
 def test_biharmonic_converges_where_gps_grows_with_the_logarithm_of_the_modes():
     """Each doubling of the cut-off adds as much to GPS as the one before, and to biharmonic far less."""
     mesh = Mesh(*shapes.icosphere(3))
-    spectrum = eigenpairs(mesh, lambda _: math.inf)
+    spectrum = eigenpairs(mesh, cutoff=lambda _: math.inf)
     squared = (spectrum.vectors[0] - spectrum.vectors[200]) ** 2
     cuts = [10.0, 20.0, 40.0, 80.0, 160.0]
     steps = {}

@@ -7,7 +7,7 @@ import pytest
 from tests.core import shapes
 
 from idviewer.core import InteriorDistance, Mesh, MeshError, Polygon, eigenpairs
-from idviewer.core.spectrum import memory_estimate as room
+from idviewer.core.spectrum import eigen_solver, memory_estimate
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Failure, OpenRequest
 
@@ -24,14 +24,12 @@ def ball() -> Mesh:
 
 @pytest.fixture
 def small_machine(monkeypatch):
-    monkeypatch.setattr(room, "room_bytes", lambda: 9e6)
+    monkeypatch.setattr(memory_estimate, "available_bytes", lambda: 9e6)
 
 
 @pytest.mark.parametrize("work", [eigenpairs, InteriorDistance])
 def test_the_library_refuses_before_it_factors_anything(ball, small_machine, monkeypatch, work):
-    monkeypatch.setattr(
-        "idviewer.core.spectrum.eigen_solver.masses_of", lambda shape: pytest.fail("work was begun")
-    )
+    monkeypatch.setattr(eigen_solver, "masses_of", lambda shape: pytest.fail("work was begun"))
     with pytest.raises(MeshError, match=LINE):
         work(ball)
 
@@ -50,18 +48,18 @@ def test_what_is_open_stays_when_a_file_is_too_large(small_machine, tmp_path):
 
 
 def test_polygons_and_small_meshes_pass(ball):
-    room.check_room(Polygon(shapes.star(60)), room=1.0)
-    room.check_room(ball, room=room.needed_bytes(2562))
+    memory_estimate.check_memory(Polygon(shapes.star(60)), available=1.0)
+    memory_estimate.check_memory(ball, available=memory_estimate.needed_bytes(2562))
 
 
 @pytest.mark.parametrize("bytes_there", [1e7, 3.1e9, 2.5e10, 1e13])
 def test_the_size_that_is_recommended_fits_and_is_not_timid(bytes_there):
-    count = room.vertices_for(bytes_there)
-    assert 0.85 * bytes_there < room.needed_bytes(count) <= bytes_there
+    count = memory_estimate.vertices_for(bytes_there)
+    assert 0.85 * bytes_there < memory_estimate.needed_bytes(count) <= bytes_there
 
 
 def test_need_grows_with_size_and_half_a_million_vertices_fit_into_six_gigabytes():
-    needs = [room.needed_bytes(count) for count in (4, 27_000, 134_000, 537_000, 12_000_000)]
+    needs = [memory_estimate.needed_bytes(count) for count in (4, 27_000, 134_000, 537_000, 12_000_000)]
     assert needs == sorted(needs)
     assert needs[3] < 6e9
     assert needs[4] > 6e10
@@ -69,12 +67,12 @@ def test_need_grows_with_size_and_half_a_million_vertices_fit_into_six_gigabytes
 
 def test_a_container_s_limit_counts(tmp_path, monkeypatch):
     limits = (tmp_path / "memory.max", tmp_path / "missing")
-    monkeypatch.setattr(room, "LIMITS", limits)
+    monkeypatch.setattr(memory_estimate, "CONTAINER_LIMIT_FILES", limits)
     limits[0].write_text("max\n")
-    room.room_bytes.cache_clear()
-    whole = room.room_bytes()
+    memory_estimate.available_bytes.cache_clear()
+    whole = memory_estimate.available_bytes()
     limits[0].write_text("1000000\n")
-    room.room_bytes.cache_clear()
-    assert (room.room_bytes(), whole > 1e6) == (1e6, True)
+    memory_estimate.available_bytes.cache_clear()
+    assert (memory_estimate.available_bytes(), whole > 1e6) == (1e6, True)
     monkeypatch.undo()
-    room.room_bytes.cache_clear()
+    memory_estimate.available_bytes.cache_clear()

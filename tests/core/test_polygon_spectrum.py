@@ -60,7 +60,7 @@ def test_a_regular_polygon_has_the_eigenvalues_of_its_circulant(sides):
     d = polygon.lengths[0]
     k = np.arange(1, sides)
     expected = np.sort((2.0 - 2.0 * np.cos(2.0 * np.pi * k / sides)) / d**2)
-    spectrum = eigenpairs(polygon, everything)
+    spectrum = eigenpairs(polygon, cutoff=everything)
     assert spectrum.bound == math.inf
     np.testing.assert_allclose(spectrum.values, expected, rtol=1e-10)
     gram = spectrum.vectors.T @ (spectrum.masses[:, None] * spectrum.vectors)
@@ -73,7 +73,7 @@ def test_the_spectrum_is_that_of_a_dense_solver(polygon, few):
     matrix, masses = dense(polygon), masses_of(polygon)
     values = scipy.linalg.eigh(matrix, np.diag(masses), eigvals_only=True)[1:]
     expected = values[values < paper_cutoff(values[0])] if few else values
-    spectrum = eigenpairs(polygon) if few else eigenpairs(polygon, everything)
+    spectrum = eigenpairs(polygon) if few else eigenpairs(polygon, cutoff=everything)
     np.testing.assert_allclose(spectrum.values, expected, rtol=1e-8)
     residual = matrix @ spectrum.vectors - masses[:, None] * spectrum.vectors * spectrum.values
     assert np.abs(residual).max() < 1e-9 * abs(matrix).max() * np.abs(spectrum.vectors).max()
@@ -84,11 +84,13 @@ def test_the_spectrum_is_that_of_a_dense_solver(polygon, few):
 @pytest.mark.parametrize("polygon", [flower(150), WITH_HOLES.resampled(400)], ids=["one loop", "holes"])
 def test_the_iterative_solver_agrees_with_the_dense_one(polygon, monkeypatch):
     plain = eigenpairs(polygon)
-    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON", 0)
+    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON_VERTICES", 0)
     iterated = eigenpairs(polygon)
     np.testing.assert_allclose(iterated.values, plain.values, rtol=1e-9)
     assert 0.0 < iterated.residual < 1e-6
-    np.testing.assert_array_equal(eigenpairs(polygon, everything).masses, plain.masses)  # falls back on dense
+    np.testing.assert_array_equal(
+        eigenpairs(polygon, cutoff=everything).masses, plain.masses
+    )  # falls back on dense
 
 
 def test_eigenvalues_of_a_circle_converge_at_second_order():
@@ -134,7 +136,7 @@ def test_heat_flows_between_loops():
 
 
 def test_too_many_modes_are_refused_in_one_line(monkeypatch):
-    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON", 0)
-    monkeypatch.setattr(spectrum_module, "DENSE", 0)
+    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON_VERTICES", 0)
+    monkeypatch.setattr(spectrum_module, "DENSE_VERTICES", 0)
     with pytest.raises(PolygonError, match=r"^the distance asks for about \d+ modes, .* polygon of 100 "):
-        eigenpairs(regular(100), lambda lambda_2: 1e6 * lambda_2)
+        eigenpairs(regular(100), cutoff=lambda lambda_2: 1e6 * lambda_2)

@@ -58,7 +58,7 @@ def test_areas_add_up_and_match_voronoi_cells():
 def test_a_guess_of_lambda_2_changes_the_way_and_not_the_result(error):
     """Shifted among the eigenvalues, in a cluster (6 occurs five times) or not, it finds them all."""
     sphere = Mesh(*shapes.icosphere(4))
-    plain = eigenpairs(sphere, lambda lambda_2: 20.5 * lambda_2)
+    plain = eigenpairs(sphere, cutoff=lambda lambda_2: 20.5 * lambda_2)
     guessed = finish(
         eigenpair_steps(sphere, lambda lambda_2: 20.5 * lambda_2, (1.0 + error) * plain.values[0])
     )
@@ -79,7 +79,7 @@ def test_a_large_mesh_is_guessed_from_a_simplified_one(monkeypatch):
 
     monkeypatch.setattr(spectrum_module, "_krylov_steps", watched)
     values = eigenpairs(mesh).values
-    assert [count for count, _ in seen] == [spectrum_module.COARSE, len(mesh.vertices)]
+    assert [count for count, _ in seen] == [spectrum_module.ESTIMATE_VERTICES, len(mesh.vertices)]
     assert seen[1][1] == pytest.approx(values[0], rel=0.03)
     degree = np.round((np.sqrt(1 + 4 * values) - 1) / 2).astype(int)
     np.testing.assert_array_equal(np.bincount(degree)[1:14], 2 * np.arange(1, 14) + 1)
@@ -90,7 +90,7 @@ def test_eigenvalues_of_a_sphere_converge_at_second_order():
     expected = np.array([2.0] * 3 + [6.0] * 5 + [12.0] * 7)
     errors = []
     for level in (2, 3, 4):
-        values = eigenpairs(Mesh(*shapes.icosphere(level)), lambda lambda_2: 8 * lambda_2).values
+        values = eigenpairs(Mesh(*shapes.icosphere(level)), cutoff=lambda lambda_2: 8 * lambda_2).values
         errors.append(np.abs(values[: len(expected)] / expected - 1).max())
     rates = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (rates > 1.8).all(), (errors, rates)
@@ -102,15 +102,15 @@ def test_the_paper_s_cut_off_keeps_modes_above_one_millionth():
 
 def test_size_scales_the_spectrum():
     mesh = Mesh(*shapes.torus(40, 24))
-    plain = eigenpairs(mesh, lambda lambda_2: 10 * lambda_2)
+    plain = eigenpairs(mesh, cutoff=lambda lambda_2: 10 * lambda_2)
     for scale in (1e-9, 1e6):
-        scaled = eigenpairs(Mesh(mesh.vertices * scale, mesh.faces), lambda lambda_2: 10 * lambda_2)
+        scaled = eigenpairs(Mesh(mesh.vertices * scale, mesh.faces), cutoff=lambda lambda_2: 10 * lambda_2)
         np.testing.assert_allclose(scaled.values * scale**2, plain.values, rtol=1e-9)
 
 
 def test_a_mesh_too_coarse_for_the_distance_is_refused_in_one_line():
     with pytest.raises(MeshError, match=r"about \d+ modes, more than a mesh of 2562 vertices") as caught:
-        eigenpairs(stretched(4), lambda lambda_2: 1e6 * lambda_2)
+        eigenpairs(stretched(4), cutoff=lambda lambda_2: 1e6 * lambda_2)
     assert "\n" not in str(caught.value)
 
 

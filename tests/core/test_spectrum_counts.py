@@ -44,8 +44,8 @@ def pairs_of(name: str) -> tuple[Mesh, Spectrum]:
     """By Krylov spaces, whatever the size."""
     mesh = Mesh(*BODIES[name]())
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(spectrum_module, "DENSE", 0)
-        return mesh, eigenpairs(mesh, lambda lambda_2: 14.0 * lambda_2)
+        patch.setattr(spectrum_module, "DENSE_VERTICES", 0)
+        return mesh, eigenpairs(mesh, cutoff=lambda lambda_2: 14.0 * lambda_2)
 
 
 def inertia(mesh: Mesh, bound: float) -> int:
@@ -116,8 +116,8 @@ def test_all_modes_of_a_degree_are_there():
 def test_pairs_are_those_of_a_dense_solver(monkeypatch, dense):
     """On 500 vertices: eigenvalues to 1e-10, spaces of equal ones by their principal angles."""
     mesh = Mesh(*shapes.torus(25, 20))
-    monkeypatch.setattr(spectrum_module, "DENSE", dense)
-    found = eigenpairs(mesh, lambda lambda_2: 20.0 * lambda_2)
+    monkeypatch.setattr(spectrum_module, "DENSE_VERTICES", dense)
+    found = eigenpairs(mesh, cutoff=lambda lambda_2: 20.0 * lambda_2)
     masses = np.diag(masses_of(mesh))
     values, vectors = scipy.linalg.eigh(laplacian_of(mesh).toarray(), masses)
     count = len(found.values)
@@ -149,20 +149,20 @@ def test_faces_without_area_are_mended_before_they_are_divided_by():
     points = np.concatenate([vertices, [0.5 * (vertices[a] + vertices[b])]])
     mesh = repair_mesh(points, np.concatenate([faces[1:], flat]))
     assert mesh.notes[0].startswith("1 face without area was removed")
-    values = eigenpairs(mesh, lambda lambda_2: 2.0 * lambda_2).values
+    values = eigenpairs(mesh, cutoff=lambda lambda_2: 2.0 * lambda_2).values
     np.testing.assert_allclose(values, 2.0, rtol=2e-2)
 
 
 def test_two_vertices_at_one_point():
     """Of a seam they are merged; where the surface only touches itself they stay; what no face uses goes."""
     vertices, faces = shapes.icosphere(2)
-    plain = eigenpairs(Mesh(vertices, faces), lambda lambda_2: 4.0 * lambda_2).values
+    plain = eigenpairs(Mesh(vertices, faces), cutoff=lambda lambda_2: 4.0 * lambda_2).values
     seam = shapes.soup((vertices, faces))
     unused = np.concatenate([vertices, vertices[:3]]), faces
     for arrays in (seam, unused):
         mesh = repair_mesh(*arrays)
         assert len(mesh.vertices) == len(vertices)
-        found = eigenpairs(mesh, lambda lambda_2: 4.0 * lambda_2).values
+        found = eigenpairs(mesh, cutoff=lambda lambda_2: 4.0 * lambda_2).values
         np.testing.assert_allclose(found, plain, rtol=1e-10)
 
 

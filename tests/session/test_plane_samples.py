@@ -10,7 +10,7 @@ from idviewer.core import GPS, Biharmonic, Diffusion, InteriorDistance, Plane, r
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.sampler import Sampler
 from idviewer.core.sampling.settings import SAMPLING
-from idviewer.core.spectrum import memory_estimate as room
+from idviewer.core.spectrum.memory_estimate import SMALL_VERTICES
 from idviewer.core.steps import finish
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Frame, FrameRequest, Query
@@ -239,4 +239,4 @@ def test_on_a_small_mesh_every_sample_is_exact():
 
 def test_the_memory_foretold_counts_with_the_trees_that_are_built():
     """A compact shape has twice as many facets as vertices, and some 170 modes."""
-    assert 160 < SAMPLING.tree_products / (2 * room.SMALL) < 180
+    assert 160 < SAMPLING.tree_products / (2 * SMALL_VERTICES) < 180

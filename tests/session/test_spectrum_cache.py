@@ -103,7 +103,7 @@ def test_another_version_finds_nothing(filled, monkeypatch, name):
 
 
 def test_fewer_modes_are_those_of_a_fresh_computation(filled):
-    fresh, found = eigenpairs(MESH, low), filled.lookup(MESH, low)
+    fresh, found = eigenpairs(MESH, cutoff=low), filled.lookup(MESH, low)
     assert 0 < len(fresh.values) < len(filled.lookup(MESH, paper_cutoff).values)
     np.testing.assert_allclose(found.values, fresh.values, rtol=1e-10)
     np.testing.assert_allclose(np.abs(found.vectors), np.abs(fresh.vectors), rtol=0, atol=1e-8)
@@ -112,14 +112,14 @@ def test_fewer_modes_are_those_of_a_fresh_computation(filled):
 
 
 def test_more_modes_are_not_found_until_they_are_stored(cache, spectrum):
-    cache.store(MESH, eigenpairs(MESH, low))
+    cache.store(MESH, eigenpairs(MESH, cutoff=low))
     assert finish(cache.lookup_steps(MESH, paper_cutoff)) == (None, "")
     cache.store(MESH, spectrum)
     assert_same(cache.lookup(MESH, paper_cutoff), spectrum)
 
 
 def test_all_there_are_serve_every_question(cache):
-    everything = eigenpairs(MESH, lambda lambda_2: 1e9 * lambda_2)
+    everything = eigenpairs(MESH, cutoff=lambda lambda_2: 1e9 * lambda_2)
     assert np.isinf(everything.bound)
     cache.store(MESH, everything)
     assert_same(cache.lookup(MESH, lambda lambda_2: 1e12 * lambda_2), everything)

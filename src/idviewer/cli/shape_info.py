@@ -97,7 +97,7 @@ def _report(name: str, diagnosis: Diagnosis) -> str:
 
 def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
     from idviewer.core.memory import bytes_in_words
-    from idviewer.core.spectrum.memory_estimate import needed_bytes
+    from idviewer.core.spectrum import needed_bytes
 
     yield "vertices", f"{diagnosis.vertices:,}"
     yield "faces", f"{diagnosis.faces:,}"
@@ -121,8 +121,10 @@ def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
 
 def _too_much(diagnosis: Diagnosis) -> str:
     from idviewer.core.memory import bytes_in_words
-    from idviewer.core.spectrum.memory_estimate import needed_bytes, room_bytes, vertices_for
+    from idviewer.core.spectrum import available_bytes, needed_bytes, vertices_for
 
-    if needed_bytes(diagnosis.vertices) <= (room := room_bytes()):
+    if needed_bytes(diagnosis.vertices) <= (there := available_bytes()):
         return ""
-    return f"; this machine has {bytes_in_words(room)}: simplify it to about {vertices_for(room):,} vertices"
+    return (
+        f"; this machine has {bytes_in_words(there)}: simplify it to about {vertices_for(there):,} vertices"
+    )

@@ -14,7 +14,7 @@ from idviewer.core import Distance, Polygon, Shape, ShapeError, Spectrum, read_s
 from idviewer.core.interior import solver_steps
 from idviewer.core.memory import release_free_memory
 from idviewer.core.sampling import SourceError
-from idviewer.core.spectrum import check_room
+from idviewer.core.spectrum import check_memory
 from idviewer.core.steps import Resumable, map_steps
 from idviewer.core.threads import few_threads, small_products
 from idviewer.session.cached_view import CachedView
@@ -81,7 +81,7 @@ class Pipeline:
                 case OpenRequest():
                     yield Progress(f"Reading {request.path.name}")
                     shape = read_shape(request.path, component=request.component)
-                    check_room(shape)  # what is open stays
+                    check_memory(shape)  # what is open stays
                     yield Opened(shape, request.path)
                 case FrameRequest():
                     with few_threads(len(request.shape.vertices), len(request.shape.facets)):

@@ -1,6 +1,27 @@
 """Spectrum: Laplacians of boundaries and their eigenpairs."""
 
-from idviewer.core.spectrum.eigen_solver import SOLVER_VERSION, eigenpair_steps
-from idviewer.core.spectrum.memory_estimate import check_room
+from idviewer.core.spectrum.eigen_solver import (
+    SOLVER_VERSION,
+    Spectrum,
+    eigenpair_steps,
+    eigenpairs,
+    paper_cutoff,
+    paper_time,
+)
+from idviewer.core.spectrum.laplacian import laplacian_of, masses_of
+from idviewer.core.spectrum.memory_estimate import available_bytes, check_memory, needed_bytes, vertices_for
 
-__all__ = ["SOLVER_VERSION", "check_room", "eigenpair_steps"]
+__all__ = [
+    "SOLVER_VERSION",
+    "Spectrum",
+    "available_bytes",
+    "check_memory",
+    "eigenpair_steps",
+    "eigenpairs",
+    "laplacian_of",
+    "masses_of",
+    "needed_bytes",
+    "paper_cutoff",
+    "paper_time",
+    "vertices_for",
+]

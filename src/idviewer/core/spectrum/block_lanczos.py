@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 
 import numpy as np
@@ -17,30 +18,51 @@ BLOCK = LANES
 is wide, and symmetry makes at most five of a body equal (the largest irreducible representation of a finite
 point group, the icosahedron's)."""
 
+DEPENDENT = 1e-10
+"""A block that is longer than the space by less than this, in largest eigenvalues, adds nothing to it."""
+
 
 class BlockLanczos:
     """A Krylov space of (A - shift)^-1, whose largest eigenvalues belong to those of A next to the shift.
 
-    One known eigenvector is left out from the start. A second pass of Gram-Schmidt keeps the basis
+    Known eigenvectors are left out from the start. A second pass of Gram-Schmidt keeps the basis
     orthonormal to rounding. Source: Golub and Underwood 1977, "The block Lanczos method for computing
     eigenvalues".
 
     Args:
         factor: of A - shift.
         shift: see above.
-        known: (n,) the eigenvector to leave out.
+        known: (n, d) eigenvectors to leave out, orthogonal to each other, or (n,) a single one.
+        seed: of the random block that the space begins with.
+        stops: whether the space ends, `exhausted`, where its next block would be dependent: it then holds
+            as many copies of each eigenvalue as a block is wide. Those of shapes never end before they are
+            complete.
+
+    Attributes:
+        exhausted: whether the space cannot grow any more.
     """
 
-    def __init__(self, factor: LDLFactorization, shift: float, known: Floats) -> None:
-        self._factor, self._shift = factor, shift
+    def __init__(
+        self, factor: LDLFactorization, shift: float, known: Floats, seed: int = 0, stops: bool = False
+    ) -> None:
+        self._factor, self._shift, self._stops = factor, shift, stops
         self._basis = KrylovBasis(len(known))  # with one block more than the space
         self._projected = np.zeros((0, 0))
+        self.exhausted = False
         # All vectors are in the factor's order.
-        self._constant = np.zeros((1, len(known), LANES))
-        self._constant[0, :, 0] = known[factor.order] / np.linalg.norm(known)
-        start = np.random.default_rng(0).standard_normal((len(known), BLOCK))
-        make_orthogonal(start, self._constant)
+        columns = known.reshape(len(known), -1)
+        self._left_out = columns.shape[1]
+        self._known = np.zeros((-(-self._left_out // LANES), len(known), LANES))
+        for index, vector in enumerate(columns.T):
+            unit = vector[factor.order] / np.linalg.norm(vector)
+            self._known[index // LANES, :, index % LANES] = unit
+        start = np.random.default_rng(seed).standard_normal((len(known), BLOCK))
+        self._leave_out_known(start)
         self._coupling = self._basis.append(start)
+
+    def _leave_out_known(self, block: Floats) -> None:
+        if len(self._known):
+            make_orthogonal(block, self._known)
 
     @property
     def size(self) -> int:
@@ -48,9 +70,11 @@ class BlockLanczos:
         return len(self._projected)
 
     @property
-    def room(self) -> int:
+    def remaining_blocks(self) -> int:
         """How many blocks the space can still hold."""
-        return max(0, (self._constant.shape[1] - 1 - self.size) // BLOCK - 1)
+        if self.exhausted:
+            return 0
+        return max(0, (self._known.shape[1] - self._left_out - self.size) // BLOCK - 1)
 
     def expand(self) -> Generator[None, None, None]:
         """Add one block to the space."""
@@ -64,15 +88,26 @@ class BlockLanczos:
             wider[rows : rows + BLOCK, old:] = coefficients
             wider[old:, rows : rows + BLOCK] = coefficients.T
         yield
-        make_orthogonal(image, self._constant)
+        self._leave_out_known(image)
         for some in self._basis:
             make_orthogonal(image, some)
             yield
-        self._projected, self._coupling = wider, self._basis.append(image)
+        self._projected = wider
+        if self._stops and self._is_dependent(image):
+            self.exhausted, self._coupling = True, np.asarray(np.linalg.qr(image, mode="r"))
+        else:
+            self._coupling = self._basis.append(image)
         yield
 
-    def ritz_pairs(self) -> tuple[Floats, Floats, Floats]:
+    def _is_dependent(self, block: Floats) -> bool:
+        largest = np.abs(np.linalg.eigvalsh(0.5 * (self._projected + self._projected.T))).max()
+        return bool(np.abs(np.diag(np.linalg.qr(block, mode="r"))).min() < DEPENDENT * largest)
+
+    def ritz_pairs(self, null: float = 0.0) -> tuple[Floats, Floats, Floats]:
         """Approximate positive eigenvalues of A, their coefficients (size, k), and residuals.
+
+        Args:
+            null: values of up to this size count as zero, and are given too where it is not 0.
 
         They are in ascending order. Those of A above the shift cannot lie above their approximations. The
         residuals are |C x - theta x| / theta of the inverse C, for eigenvalues much smaller than the shift
@@ -82,11 +117,12 @@ class BlockLanczos:
         with np.errstate(divide="ignore"):
             values = self._shift + 1.0 / thetas
         order = np.argsort(values)
-        order = order[np.searchsorted(values[order], 0.0, side="right") :]
+        order = order[np.searchsorted(values[order], -null, side="right") :]
         order = order[np.isfinite(values[order])]
         residuals = np.linalg.norm(self._coupling @ coefficients[-BLOCK:, order], axis=0)
         inverse = np.abs(thetas[order])
-        residuals /= inverse * np.minimum(1.0, inverse * values[order])
+        above = np.where(values[order] > null, values[order], math.inf)
+        residuals /= inverse * np.minimum(1.0, inverse * above)
         return values[order], coefficients[:, order], residuals
 
     def vectors(self, coefficients: Floats) -> Floats:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from dataclasses import dataclass
+from typing import Any, cast, overload
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from idviewer.core.arrays import Floats
@@ -15,9 +17,10 @@ from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon, PolygonError
 from idviewer.core.shapes.shape import Shape, ShapeLike, as_shape
 from idviewer.core.shapes.simplification import simplification_steps
-from idviewer.core.spectrum.krylov_eigenpairs import krylov_steps
+from idviewer.core.spectrum.krylov_eigenpairs import Cutoff, LowPairs, krylov_steps
 from idviewer.core.spectrum.laplacian import laplacian_of, masses_of
-from idviewer.core.spectrum.memory_estimate import check_room
+from idviewer.core.spectrum.memory_estimate import check_memory
+from idviewer.core.spectrum.operator_eigenpairs import check_operator, operator_pairs
 from idviewer.core.spectrum.polygon_eigenpairs import low_pairs
 from idviewer.core.steps import finish, without_shares
 from idviewer.core.threads import small_products
@@ -30,13 +33,13 @@ SOLVER_VERSION = 1
 SMALLEST_KEPT = 1e-6
 """The paper keeps the modes with exp(-lambda t) above this (Rustamov et al. 2009, appendix)."""
 
-DENSE = 700
+DENSE_VERTICES = 700
 """Shapes of up to so many vertices are left to a dense solver, which knows no limit to the modes."""
 
-GUESSED_FROM, COARSE = 6000, 2000
+ESTIMATED_FROM_VERTICES, ESTIMATE_VERTICES = 6000, 2000
 """Meshes of so many vertices are simplified to so many, to know beforehand where lambda_2 is about."""
 
-DENSE_POLYGON = 250
+DENSE_POLYGON_VERTICES = 250
 """Polygons of up to so many vertices likewise; above, iterating for the lowest twenty modes is faster."""
 
 
@@ -77,59 +80,115 @@ def paper_cutoff(lambda_2: float) -> float:
     return -math.log(SMALLEST_KEPT) / paper_time(lambda_2)
 
 
-def eigenpairs(shape: ShapeLike, cutoff: Callable[[float], float] = paper_cutoff) -> Spectrum:
-    """All eigenpairs with 0 < lambda < cutoff(lambda_2).
+@overload
+def eigenpairs(shape: ShapeLike, /, *, k: int | None = None, cutoff: Cutoff = paper_cutoff) -> Spectrum: ...
+
+
+@overload
+def eigenpairs(
+    vertices: ArrayLike, faces: ArrayLike, /, k: int | None = None, *, cutoff: Cutoff = paper_cutoff
+) -> Spectrum: ...
+
+
+@overload
+def eigenpairs(laplacian: sparse.sparray, masses: sparse.sparray | ArrayLike, /, k: int) -> Spectrum: ...
+
+
+def eigenpairs(
+    shape: ShapeLike | sparse.sparray,
+    faces: Any = None,
+    /,
+    k: int | None = None,
+    *,
+    cutoff: Cutoff = paper_cutoff,
+) -> Spectrum:
+    """Eigenpairs L phi = lambda M phi with lambda > 0: of a shape's boundary, or of a given operator.
+
+    The null space of L, which cancels in every distance, is left out, however many dimensions it has: of a
+    shape, and of each component of a graph, the constants. With Dirichlet conditions it has none.
+
+    - `eigenpairs(shape)` gives all with lambda < cutoff(lambda_2), by the paper's rule;
+    - `eigenpairs(shape, k=20)`, `eigenpairs(vertices, faces, k=20)` give the lowest 20;
+    - `eigenpairs(L, M, 20)` gives the lowest 20 of your own operator.
 
     Args:
-        shape: mesh or polygon of n vertices.
+        shape: mesh or polygon of n vertices, or its arrays (see `idviewer.core.shapes.shape`); or L (n, n),
+            sparse, symmetric and positive semi-definite.
+        faces: (m, 3) where vertices were given; the mass matrix M where L was: diagonal and sparse, or its
+            diagonal (n,), positive.
+        k: how many; those of the cut-off by default.
         cutoff: from lambda_2 to the bound of the eigenvalues kept.
 
     Returns:
-        The spectrum; eigenvalues have relative errors below 1e-9.
+        The spectrum; eigenvalues have relative errors below 1e-9. Those of a given operator are as accurate
+        as its entries allow, some 1e-15 of its largest eigenvalue.
 
     Raises:
-        ShapeError: the cut-off asks for more modes than a large shape carries (a MeshError or PolygonError),
-            or a mesh does not fit into memory (see `idviewer.core.spectrum.memory_estimate`).
+        ShapeError: the arrays are no shape; the cut-off asks for more modes than a large shape carries; or a
+            mesh does not fit into memory (a MeshError or PolygonError).
+        ValueError: L or M is not of that kind, or L has fewer than k positive eigenvalues.
 
     >>> import numpy as np
-    >>> from idviewer.core import read_mesh, sample_path
-    >>> spectrum = eigenpairs(read_mesh(sample_path("hand_2k")))
+    >>> from idviewer.core import laplacian_of, masses_of, read_mesh, sample_path
+    >>> hand = read_mesh(sample_path("hand_2k"))
+    >>> spectrum = eigenpairs(hand)
     >>> gram = spectrum.vectors.T @ (spectrum.masses[:, None] * spectrum.vectors)
     >>> bool(abs(gram - np.eye(len(spectrum.values))).max() < 1e-10)
     True
+    >>> given = eigenpairs(laplacian_of(hand), masses_of(hand), 10)
+    >>> bool(abs(given.values / spectrum.values[:10] - 1.0).max() < 1e-9)
+    True
     """
-    return finish(eigenpair_steps(as_shape(shape), cutoff))
+    if sparse.issparse(shape):
+        laplacian, masses = check_operator(shape, faces, cast(int, k))
+        return _spectrum(operator_pairs(laplacian, masses, cast(int, k)), masses)
+    known = as_shape(shape if faces is None else cast(ShapeLike, (shape, faces)))
+    return finish(eigenpair_steps(known, cutoff)) if k is None else _lowest_of(known, k)
 
 
-def eigenpair_steps(
-    shape: Shape, cutoff: Callable[[float], float] = paper_cutoff, guess: float | None = None
-) -> Steps:
+def _lowest_of(shape: Shape, k: int) -> Spectrum:
+    """The k lowest pairs of a shape."""
+    check_memory(shape)
+    laplacian, masses = check_operator(laplacian_of(shape), masses_of(shape), k)
+    if isinstance(shape, Polygon) and len(masses) <= DENSE_VERTICES:
+        values, vectors, _ = low_pairs(shape, masses, lambda _: math.inf)
+        if k <= len(values):
+            bound = math.inf if k == len(masses) - 1 else float(values[k - 1])
+            return Spectrum(values[:k], np.ascontiguousarray(vectors[:, :k]), masses, 0.0, bound)
+    return _spectrum(operator_pairs(laplacian, masses, k, shape.vertices), masses)
+
+
+def _spectrum(pairs: LowPairs, masses: Floats) -> Spectrum:
+    return Spectrum(pairs.values, pairs.vectors, masses, pairs.residual, pairs.bound)
+
+
+def eigenpair_steps(shape: Shape, cutoff: Cutoff = paper_cutoff, estimate: float | None = None) -> Steps:
     """`eigenpairs` as a generator that yields the share done, or None, every few milliseconds.
 
     Args:
         shape, cutoff: as there.
-        guess: lambda_2 within some percent where it is known, which saves a third of the work.
+        estimate: lambda_2 within some percent where it is known, which saves a third of the work.
     """
     with small_products():
-        return (yield from _pair_steps(shape, cutoff, guess))
+        return (yield from _pair_steps(shape, cutoff, estimate))
 
 
-def _pair_steps(shape: Shape, cutoff: Callable[[float], float], guess: float | None) -> Steps:
-    check_room(shape)
+def _pair_steps(shape: Shape, cutoff: Cutoff, estimate: float | None) -> Steps:
+    check_memory(shape)
     masses = masses_of(shape)
     yield 0.0
     if isinstance(shape, Polygon):
         return (yield from _polygon_steps(shape, masses, cutoff))
-    if len(masses) <= DENSE:
+    if len(masses) <= DENSE_VERTICES:
         return _all_pairs(laplacian_of(shape), masses, cutoff)
-    if guess is None and isinstance(shape, Mesh) and len(masses) >= GUESSED_FROM:
-        guess = yield from _guess_steps(shape)
-    return (yield from _krylov_steps(shape, masses, cutoff, guess))
+    if estimate is None and isinstance(shape, Mesh) and len(masses) >= ESTIMATED_FROM_VERTICES:
+        estimate = yield from _estimate_steps(shape)
+    return (yield from _krylov_steps(shape, masses, cutoff, estimate))
 
 
-def _guess_steps(mesh: Mesh) -> Generator[float | None, None, float | None]:
+def _estimate_steps(mesh: Mesh) -> Generator[float | None, None, float | None]:
     """lambda_2 of a mesh within some percent, from a simplified one."""
-    steps = simplification_steps(mesh, COARSE)
+    steps = simplification_steps(mesh, ESTIMATE_VERTICES)
     small = (yield from without_shares(steps)).mesh
     if len(small.vertices) > 0.5 * len(mesh.vertices):
         return None
@@ -138,27 +197,25 @@ def _guess_steps(mesh: Mesh) -> Generator[float | None, None, float | None]:
     return float(spectrum.values[0])
 
 
-def _polygon_steps(polygon: Polygon, masses: Floats, cutoff: Callable[[float], float]) -> Steps:
+def _polygon_steps(polygon: Polygon, masses: Floats, cutoff: Cutoff) -> Steps:
     """The kept pairs of a polygon: a few of many by iteration, all others by a dense solver."""
-    if len(masses) > DENSE_POLYGON:
+    if len(masses) > DENSE_POLYGON_VERTICES:
         try:
             return (yield from _krylov_steps(polygon, masses, cutoff))
         except PolygonError:
-            if len(masses) > DENSE:
+            if len(masses) > DENSE_VERTICES:
                 raise
     values, vectors, bound = low_pairs(polygon, masses, cutoff)
     return Spectrum(values, vectors, masses, 0.0, bound)
 
 
-def _krylov_steps(
-    shape: Shape, masses: Floats, cutoff: Callable[[float], float], guess: float | None = None
-) -> Steps:
+def _krylov_steps(shape: Shape, masses: Floats, cutoff: Cutoff, estimate: float | None = None) -> Steps:
     """The kept pairs of a large shape, by iteration."""
-    pairs = yield from krylov_steps(shape, laplacian_of(shape), masses, cutoff, guess)
-    return Spectrum(pairs.values, pairs.vectors, masses, pairs.residual, pairs.bound)
+    pairs = yield from krylov_steps(shape, laplacian_of(shape), masses, cutoff, estimate)
+    return _spectrum(pairs, masses)
 
 
-def _all_pairs(laplacian: sparse.csc_array, masses: Floats, cutoff: Callable[[float], float]) -> Spectrum:
+def _all_pairs(laplacian: sparse.csc_array, masses: Floats, cutoff: Cutoff) -> Spectrum:
     """The kept pairs of a small mesh, by a dense solver."""
     roots = np.sqrt(masses)
     values, vectors = scipy.linalg.eigh(laplacian.toarray() / roots[:, None] / roots)

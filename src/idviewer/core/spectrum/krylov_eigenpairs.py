@@ -22,7 +22,7 @@ from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 Cutoff = Callable[[float], float]
 
 RESIDUAL = 1e-6
-MIDDLE = 0.6
+SHIFT_SHARE = 0.6
 """Where among the eigenvalues the shift is, as a share of their bound: it takes the fewest vectors there."""
 
 FIRST_BLOCKS = 4
@@ -35,7 +35,7 @@ VECTORS_OF_A_MODE = {True: 1.45, False: 2.5}
 RATE = 6.0
 """How much better the worst of them then gets with each block: five to seven times."""
 
-FACTORED = 0.05
+FACTORED_SHARE = 0.05
 """The share done once the matrix is factored, which cannot be interrupted."""
 
 
@@ -49,7 +49,7 @@ class LowPairs(NamedTuple):
 
 
 def krylov_steps(
-    shape: Shape, laplacian: sparse.csc_array, masses: Floats, cutoff: Cutoff, guess: float | None
+    shape: Shape, laplacian: sparse.csc_array, masses: Floats, cutoff: Cutoff, estimate: float | None
 ) -> Generator[float | None, None, LowPairs]:
     """All pairs with 0 < lambda < cutoff(lambda_2) of a shape of n vertices; yields the share done, or None.
 
@@ -58,35 +58,35 @@ def krylov_steps(
         laplacian: (n, n).
         masses: (n,) the diagonal of M.
         cutoff: from lambda_2 to the bound of the eigenvalues kept.
-        guess: lambda_2 within some percent, where it is known.
+        estimate: lambda_2 within some percent, where it is known.
 
     Raises:
         ShapeError: the cut-off asks for more modes than the shape carries.
     """
     weyl = _Weyl(shape.dimension, float(masses.sum()))
     roots = np.sqrt(masses)
-    over = sparse.diags_array(1.0 / roots)
-    bound = math.inf if guess is None else cutoff(guess)
-    matrix = sparse.csc_array(over @ laplacian @ over)
+    inverse_roots = sparse.diags_array(1.0 / roots)
+    bound = math.inf if estimate is None else cutoff(estimate)
+    matrix = sparse.csc_array(inverse_roots @ laplacian @ inverse_roots)
     shift, factor = yield from _factored(matrix, shape.vertices, bound, weyl)
     krylov = BlockLanczos(factor, shift, roots)
-    yield FACTORED
-    among = factor.negative > 0
-    expected = (factor.negative - 1) / MIDDLE if among else weyl.modes(bound)
-    missing = _first_blocks(among, expected)
+    yield FACTORED_SHARE
+    interior = factor.negative > 0
+    expected = (factor.negative - 1) / SHIFT_SHARE if interior else weyl.modes(bound)
+    missing = _first_blocks(interior, expected)
     while True:
-        for _ in range(min(krylov.room, missing)):
+        for _ in range(min(krylov.remaining_blocks, missing)):
             yield from krylov.expand()
         values, coefficients, residuals = krylov.ritz_pairs()
         bound = cutoff(values[0])
         kept = int(np.count_nonzero(values < bound))
         if _complete(values < shift, residuals[: kept + 1], kept, factor.negative):
             break
-        expected = max(expected if among else weyl.modes(bound), kept)
-        if krylov.room == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
+        expected = max(expected if interior else weyl.modes(bound), kept)
+        if krylov.remaining_blocks == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
             raise _too_many(shape, expected)
-        missing = _more_blocks(krylov.size, _first_blocks(among, expected), residuals[: kept + 1].max())
-        yield min(0.95, FACTORED + 0.9 * krylov.size / (krylov.size + missing * BLOCK))
+        missing = _more_blocks(krylov.size, _first_blocks(interior, expected), residuals[: kept + 1].max())
+        yield min(0.95, FACTORED_SHARE + 0.9 * krylov.size / (krylov.size + missing * BLOCK))
     vectors = yield from krylov.vector_steps(coefficients[:, :kept])
     vectors /= roots[:, None]
     return LowPairs(values[:kept], vectors, float(residuals[:kept].max()), bound)
@@ -99,7 +99,7 @@ def _factored(
     about known, if that can be factored, or else one below all of them."""
     identity = sparse.eye_array(len(points))
     if math.isfinite(bound):
-        shift = MIDDLE * bound
+        shift = SHIFT_SHARE * bound
         try:
             steps = LDLFactorization.steps(
                 sparse.csc_array(matrix - shift * identity), points, definite=False
@@ -121,11 +121,11 @@ def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: 
     return bool(enough and kept < len(below) and residuals.max() < RESIDUAL)
 
 
-def _first_blocks(among: bool, expected: float) -> int:
+def _first_blocks(interior: bool, expected: float) -> int:
     """How large a Krylov space is to be before its end is looked for."""
     if not math.isfinite(expected):
         return FIRST_BLOCKS
-    return LAST_BLOCKS + math.ceil(VECTORS_OF_A_MODE[among] * expected / BLOCK)
+    return LAST_BLOCKS + math.ceil(VECTORS_OF_A_MODE[interior] * expected / BLOCK)
 
 
 def _more_blocks(size: int, goal: int, worst: float) -> int:

@@ -12,14 +12,14 @@ from idviewer.core.memory import bytes_in_words
 from idviewer.core.shapes.mesh import MeshError
 from idviewer.core.shapes.shape import Shape
 
-OF_A_VERTEX = 10.6e3
+BYTES_PER_VERTEX = 10.6e3
 """Bytes for each vertex of a compact shape, which has 170 to 180 modes; others need less."""
 
-OF_A_SMALL_ONE = 19.8e3
-SMALL = 117_000
+BYTES_PER_VERTEX_OF_SMALL = 19.8e3
+SMALL_VERTICES = 117_000
 """On shapes of up to so many vertices, slices have two trees instead of one, and need so much."""
 
-LIMITS = (
+CONTAINER_LIMIT_FILES = (
     Path("/sys/fs/cgroup/memory.max"),
     Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
 )
@@ -34,30 +34,30 @@ def needed_bytes(vertices: int) -> float:
     >>> round(needed_bytes(500_000) / 1e9, 1)
     5.3
     """
-    return max(OF_A_VERTEX * vertices, OF_A_SMALL_ONE * min(vertices, SMALL))
+    return max(BYTES_PER_VERTEX * vertices, BYTES_PER_VERTEX_OF_SMALL * min(vertices, SMALL_VERTICES))
 
 
-def vertices_for(room: float) -> int:
+def vertices_for(available: float) -> int:
     """The largest number of vertices, to two digits, that so many bytes suffice for.
 
     >>> needed_bytes(vertices_for(2e9)) < 2e9
     True
     """
-    low, high = 1.0, max(room, 2.0)
+    low, high = 1.0, max(available, 2.0)
     while high / low > 1.001:
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if needed_bytes(round(middle)) <= room else (low, middle)
+        low, high = (middle, high) if needed_bytes(round(middle)) <= available else (low, middle)
     step = 10 ** max(0, math.floor(math.log10(low)) - 1)
     return int(low // step * step)
 
 
 @cache
-def room_bytes() -> float:
+def available_bytes() -> float:
     """The memory of this machine, or what a container may have of it; infinite where it cannot be told."""
     found = [math.inf]
     with suppress(AttributeError, OSError, ValueError):
         found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    for path in LIMITS:
+    for path in CONTAINER_LIMIT_FILES:
         try:
             found.append(int(path.read_text()))
         except (OSError, ValueError):  # "max", or no such thing
@@ -65,28 +65,29 @@ def room_bytes() -> float:
     return float(min(size for size in found if size > 0))
 
 
-def check_room(shape: Shape, room: float | None = None) -> None:
-    """Refuses a mesh that does not fit into memory with its eigenpairs and samples, in an instant.
+def check_memory(shape: Shape, available: float | None = None) -> None:
+    """Refuse a mesh that does not fit into memory with its eigenpairs and samples, in an instant.
 
     Args:
         shape: polygons are let through.
-        room: bytes there are; this machine's by default.
+        available: bytes there are; this machine's by default.
 
     Raises:
         MeshError: it does not fit; the line says what it needs, what there is, and what would fit.
 
     >>> from idviewer.core import MeshError, read_mesh, sample_path
     >>> try:
-    ...     check_room(read_mesh(sample_path("hand_2k")), room=9e6)
+    ...     check_memory(read_mesh(sample_path("hand_2k")), available=9e6)
     ... except MeshError as error:
     ...     print(str(error)[:54])
     hand_2k has 2,500 vertices and would need about 50 MB;
     """
-    count, room = len(shape.vertices), room_bytes() if room is None else room
-    if shape.dimension == 2 or needed_bytes(count) <= room:
+    count = len(shape.vertices)
+    available = available_bytes() if available is None else available
+    if shape.dimension == 2 or needed_bytes(count) <= available:
         return
-    need = bytes_in_words(needed_bytes(count))
+    need, fitting = bytes_in_words(needed_bytes(count)), vertices_for(available)
     raise MeshError(
         f"{shape.name or 'the mesh'} has {count:,} vertices and would need about {need}; "
-        f"this machine has {bytes_in_words(room)}: simplify it to about {vertices_for(room):,} vertices"
+        f"this machine has {bytes_in_words(available)}: simplify it to about {fitting:,} vertices"
     )
