@@ -18,7 +18,7 @@ from idviewer.core import (
     voronoi_areas,
 )
 from idviewer.core.distances import missing
-from idviewer.core.interior.barycentroid import LAST_RADIUS
+from idviewer.core.interior.barycentroid import SEARCH
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +171,7 @@ def test_the_barycentroid_of_an_ellipsoid_is_its_centre_after_any_time():
     solver = InteriorDistance(body)
     for times in (1.0, 20.0, 50.0):
         longer = solver.with_distance(Diffusion(time=times / (8.0 * solver.spectrum.values[0])))
-        assert np.linalg.norm(longer.barycentroid().point) < LAST_RADIUS * body.diagonal
+        assert np.linalg.norm(longer.barycentroid().point) < SEARCH.last_radius * body.diagonal
 
 
 def test_distances_that_need_no_spectrum_have_none(mesh):

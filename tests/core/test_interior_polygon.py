@@ -21,6 +21,7 @@ from idviewer.core import (
     interior_distance,
 )
 from idviewer.core.interior.barycentroid import interior_samples
+from idviewer.core.interior.interpolation import BasisInterpolation
 
 POLYGONS = pytest.mark.parametrize(
     "name", ["random polygon", "random polygon with a hole", "gingerbread", "plate"]
@@ -139,7 +140,7 @@ def test_heat_spreads_evenly_on_a_circle(rng):
 @pytest.mark.slow
 def test_one_point_against_many_goes_through_the_many_in_portions(monkeypatch):
     """Both ways round, for a distance that is a quadratic form."""
-    monkeypatch.setattr("idviewer.core.interior.interpolation.WEIGHTS_PER_STEP", 700)
+    monkeypatch.setattr(BasisInterpolation, "weights_per_step", 700)
     for name in ("random polygon", "random mesh"):
         solver = InteriorDistance(shape(name), exact_distance("commute", shape(name)))
         assert isinstance(solver.boundary.distance, CommuteTime)

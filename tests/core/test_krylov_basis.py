@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from idviewer.core._kernels import LANES
-from idviewer.core.spectrum.krylov_basis import CHUNK, KrylovBasis, inner, make_orthogonal
+from idviewer.core.spectrum.krylov_basis import BLOCKS_PER_ARRAY, KrylovBasis, inner, make_orthogonal
 from idviewer.core.steps import finish
 
 COUNTS = [200, 217, 1501]
@@ -40,7 +40,7 @@ def test_inner_products_are_those_of_numpy(rng, count, blocks):
 
 @pytest.mark.parametrize("count", COUNTS)
 def test_all_blocks_are_orthonormal_across_chunks(rng, count):
-    vectors = stacked(filled(rng, count, CHUNK + 2))
+    vectors = stacked(filled(rng, count, BLOCKS_PER_ARRAY + 2))
     np.testing.assert_allclose(vectors.T @ vectors, np.eye(vectors.shape[1]), atol=1e-13)
 
 
@@ -56,10 +56,12 @@ def test_what_is_taken_out_is_what_the_coefficients_tell(rng, count):
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("width", [1, LANES, LANES + 3])
 def test_combinations_go_where_the_order_says(rng, count, width):
-    basis, order = filled(rng, count, CHUNK + 1), rng.permutation(count)
-    coefficients = rng.standard_normal((CHUNK * LANES, width))  # none of the last block
+    basis, order = filled(rng, count, BLOCKS_PER_ARRAY + 1), rng.permutation(count)
+    coefficients = rng.standard_normal((BLOCKS_PER_ARRAY * LANES, width))  # none of the last block
     found = finish(basis.combination_steps(coefficients, order))
-    np.testing.assert_allclose(found[order], stacked(basis)[:, : CHUNK * LANES] @ coefficients, atol=1e-12)
+    np.testing.assert_allclose(
+        found[order], stacked(basis)[:, : BLOCKS_PER_ARRAY * LANES] @ coefficients, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])

@@ -95,7 +95,9 @@ def assert_pairs(found: Spectrum, laplacian: sparse.csc_array, masses: np.ndarra
 @pytest.mark.parametrize("k", [1, 12, pytest.param(40, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", OPERATORS)
 def test_they_are_lapack_s(name, k, dense, monkeypatch):
-    monkeypatch.setattr(operator_eigenpairs, "DENSE_UNKNOWNS", dense)
+    monkeypatch.setattr(
+        operator_eigenpairs, "OPERATOR", operator_eigenpairs.OperatorSettings(dense_unknowns=dense)
+    )
     made, nullity = OPERATORS[name]
     laplacian, masses = made()
     found = eigenpairs(laplacian, masses, k)

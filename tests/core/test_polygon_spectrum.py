@@ -11,7 +11,7 @@ from tests.core.outlines import flower, regular, with_holes
 
 import idviewer.core.spectrum.eigen_solver as spectrum_module
 from idviewer.core import Polygon, PolygonError, eigenpairs, laplacian_of, masses_of
-from idviewer.core.spectrum.eigen_solver import paper_cutoff
+from idviewer.core.spectrum.eigen_solver import EigenSolverSettings, paper_cutoff
 
 WITH_HOLES = with_holes()
 
@@ -84,7 +84,7 @@ def test_the_spectrum_is_that_of_a_dense_solver(polygon, few):
 @pytest.mark.parametrize("polygon", [flower(150), WITH_HOLES.resampled(400)], ids=["one loop", "holes"])
 def test_the_iterative_solver_agrees_with_the_dense_one(polygon, monkeypatch):
     plain = eigenpairs(polygon)
-    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON_VERTICES", 0)
+    monkeypatch.setattr(spectrum_module, "EIGEN_SOLVER", EigenSolverSettings(dense_polygon_vertices=0))
     iterated = eigenpairs(polygon)
     np.testing.assert_allclose(iterated.values, plain.values, rtol=1e-9)
     assert 0.0 < iterated.residual < 1e-6
@@ -136,7 +136,7 @@ def test_heat_flows_between_loops():
 
 
 def test_too_many_modes_are_refused_in_one_line(monkeypatch):
-    monkeypatch.setattr(spectrum_module, "DENSE_POLYGON_VERTICES", 0)
-    monkeypatch.setattr(spectrum_module, "DENSE_VERTICES", 0)
+    settings = EigenSolverSettings(dense_vertices=0, dense_polygon_vertices=0)
+    monkeypatch.setattr(spectrum_module, "EIGEN_SOLVER", settings)
     with pytest.raises(PolygonError, match=r"^the distance asks for about \d+ modes, .* polygon of 100 "):
         eigenpairs(regular(100), cutoff=lambda lambda_2: 1e6 * lambda_2)

@@ -55,31 +55,34 @@ def test_areas_add_up_and_match_voronoi_cells():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("error", [-0.05, 0.0, 0.05])
-def test_a_guess_of_lambda_2_changes_the_way_and_not_the_result(error):
+def test_an_estimate_of_lambda_2_changes_the_way_and_not_the_result(error):
     """Shifted among the eigenvalues, in a cluster (6 occurs five times) or not, it finds them all."""
     sphere = Mesh(*shapes.icosphere(4))
     plain = eigenpairs(sphere, cutoff=lambda lambda_2: 20.5 * lambda_2)
-    guessed = finish(
+    estimated = finish(
         eigenpair_steps(sphere, lambda lambda_2: 20.5 * lambda_2, (1.0 + error) * plain.values[0])
     )
-    np.testing.assert_allclose(guessed.values, plain.values, rtol=1e-9)
-    overlap = plain.vectors.T @ (plain.masses[:, None] * guessed.vectors)
+    np.testing.assert_allclose(estimated.values, plain.values, rtol=1e-9)
+    overlap = plain.vectors.T @ (plain.masses[:, None] * estimated.vectors)
     np.testing.assert_allclose(np.linalg.svd(overlap)[1], 1.0, atol=1e-9)
 
 
 @pytest.mark.slow
-def test_a_large_mesh_is_guessed_from_a_simplified_one(monkeypatch):
+def test_a_large_mesh_is_estimated_from_a_simplified_one(monkeypatch):
     mesh = Mesh(*shapes.icosphere(5))
     seen = []
     original = spectrum_module._krylov_steps
 
-    def watched(shape, masses, cutoff, guess=None):
-        seen.append((len(masses), guess))
-        return original(shape, masses, cutoff, guess)
+    def watched(shape, masses, cutoff, estimate=None):
+        seen.append((len(masses), estimate))
+        return original(shape, masses, cutoff, estimate)
 
     monkeypatch.setattr(spectrum_module, "_krylov_steps", watched)
     values = eigenpairs(mesh).values
-    assert [count for count, _ in seen] == [spectrum_module.ESTIMATE_VERTICES, len(mesh.vertices)]
+    assert [count for count, _ in seen] == [
+        spectrum_module.EIGEN_SOLVER.estimate_vertices,
+        len(mesh.vertices),
+    ]
     assert seen[1][1] == pytest.approx(values[0], rel=0.03)
     degree = np.round((np.sqrt(1 + 4 * values) - 1) / 2).astype(int)
     np.testing.assert_array_equal(np.bincount(degree)[1:14], 2 * np.arange(1, 14) + 1)

@@ -16,7 +16,8 @@ from tests.core import shapes
 import idviewer.core.spectrum.eigen_solver as spectrum_module
 from idviewer.core import Mesh, MeshError, Spectrum, eigenpairs, laplacian_of, masses_of
 from idviewer.core.shapes.repair import repair_mesh
-from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL
+from idviewer.core.spectrum.eigen_solver import EigenSolverSettings
+from idviewer.core.spectrum.krylov_eigenpairs import KRYLOV
 
 
 def cube(level: int) -> shapes.Arrays:
@@ -44,7 +45,7 @@ def pairs_of(name: str) -> tuple[Mesh, Spectrum]:
     """By Krylov spaces, whatever the size."""
     mesh = Mesh(*BODIES[name]())
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(spectrum_module, "DENSE_VERTICES", 0)
+        patch.setattr(spectrum_module, "EIGEN_SOLVER", EigenSolverSettings(dense_vertices=0))
         return mesh, eigenpairs(mesh, cutoff=lambda lambda_2: 14.0 * lambda_2)
 
 
@@ -85,8 +86,8 @@ def test_residuals_are_small_and_vectors_orthonormal(name):
     # In the norm of functionals on functions of finite energy, where residuals of eigenfunctions belong.
     energy = sparse.csc_array(laplacian + sparse.diags_array(spectrum.masses * spectrum.values[0]))
     norms = np.sqrt(np.einsum("nk,nk->k", rest, splu(energy).solve(rest)) / spectrum.values)
-    assert (norms < 3 * RESIDUAL).all()
-    assert spectrum.residual < RESIDUAL
+    assert (norms < 3 * KRYLOV.residual).all()
+    assert spectrum.residual < KRYLOV.residual
     assert spectrum.masses.sum() == pytest.approx(mesh.area, rel=1e-9)
 
 
@@ -116,7 +117,7 @@ def test_all_modes_of_a_degree_are_there():
 def test_pairs_are_those_of_a_dense_solver(monkeypatch, dense):
     """On 500 vertices: eigenvalues to 1e-10, spaces of equal ones by their principal angles."""
     mesh = Mesh(*shapes.torus(25, 20))
-    monkeypatch.setattr(spectrum_module, "DENSE_VERTICES", dense)
+    monkeypatch.setattr(spectrum_module, "EIGEN_SOLVER", EigenSolverSettings(dense_vertices=dense))
     found = eigenpairs(mesh, cutoff=lambda lambda_2: 20.0 * lambda_2)
     masses = np.diag(masses_of(mesh))
     values, vectors = scipy.linalg.eigh(laplacian_of(mesh).toarray(), masses)

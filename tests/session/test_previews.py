@@ -8,7 +8,7 @@ from tests.session.bodies import WatchedSession
 
 from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.interior import preview
-from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL
+from idviewer.core.spectrum.krylov_eigenpairs import KRYLOV
 from idviewer.session import eigenpair_source as eigenpairs
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready
@@ -52,8 +52,8 @@ def test_a_marked_frame_comes_first_and_the_last_is_a_direct_computation(mesh):
     direct = run_to_end(mesh, query)
     for one, other in zip(last.slices, direct.slices, strict=True):
         np.testing.assert_array_equal(one.points, other.points)
-        np.testing.assert_allclose(one.values, other.values, rtol=RESIDUAL)  # from another shift
-    assert last.value_range == pytest.approx(direct.value_range, rel=RESIDUAL)
+        np.testing.assert_allclose(one.values, other.values, rtol=KRYLOV.residual)  # from another shift
+    assert last.value_range == pytest.approx(direct.value_range, rel=KRYLOV.residual)
     # No jump: the same outline, and colours that span what they will span in the end.
     assert abs(first.value_range[1] - last.value_range[1]) <= first.error
     outline, later = (frame.slices[0].points[frame.slices[0].outline[0]] for frame in (first, last))

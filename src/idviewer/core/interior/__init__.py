@@ -1,4 +1,4 @@
-"""Interior distance: a boundary embedding carried inside, measured there (the paper's equations 1 to 5)."""
+"""Interior distance: a boundary's embedding interpolated inside (the paper's equations 1 to 5)."""
 
 from idviewer.core.interior.barycentroid import Barycentroid
 from idviewer.core.interior.embedded_points import extent

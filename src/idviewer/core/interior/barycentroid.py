@@ -21,22 +21,41 @@ from idviewer.core.steps import finish
 
 Evaluate = Callable[[Floats], Generator[float | None, None, Floats]]
 
-LAYERS = 12
-SAMPLES_A_LAYER = 14
-STARTS = 3
-START_RADIUS = 0.02
-SCOUTED_RADIUS = 0.01
-"""Where descents by a scout end."""
-SURE = 0.02
-"""Where the lowest U is a smaller share of the highest, a tolerance tells too little of where it is: after a
-long time U is a valley with a floor near 0."""
-LAST_RADIUS = 2.5e-7
-MOST_ROUNDS = 60
-SHRINKING = 0.25
 
-FLATTEST = 1e-8
-"""Least curvature that a step trusts, as a share of the largest: after a long time one eigenvector dominates,
-and U^2 is a valley that is thousands of times as steep across as along."""
+@dataclass(frozen=True)
+class SearchSettings:
+    """How the barycentroid is looked for; lengths in diagonals of the shape.
+
+    Attributes:
+        layers: planes across the longest axis of a mesh on which its inside is sampled.
+        samples_per_layer: points on each of them.
+        starts: how many descents there are.
+        start_radius: trust radius that a descent begins with.
+        surrogate_radius: where descents by a surrogate end.
+        surrogate_contrast: where the lowest U is a smaller share of the highest, a tolerance tells too little
+            of where it is: after a long time U is a valley with a floor near 0.
+        last_radius: where descents end.
+        most_steps: of a descent.
+        shrinking: the trust radius shrinks to no less than this share of itself.
+        least_curvature: that a step trusts, as a share of the largest: after a long time one eigenvector
+            dominates, and U^2 is a valley that is thousands of times as steep across as along.
+        step_lengths: shares of a step that are tried beside it; with the stencil, points fill a block.
+    """
+
+    layers: int = 12
+    samples_per_layer: int = 14
+    starts: int = 3
+    start_radius: float = 0.02
+    surrogate_radius: float = 0.01
+    surrogate_contrast: float = 0.02
+    last_radius: float = 2.5e-7
+    most_steps: int = 60
+    shrinking: float = 0.25
+    least_curvature: float = 1e-8
+    step_lengths: tuple[float, ...] = (0.25, 0.5, 2.0)
+
+
+SEARCH = SearchSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +74,10 @@ class Barycentroid:
 
 
 def barycentroid_steps(
-    shape: Shape, potential: Evaluate, last_radius: float = LAST_RADIUS, surrogate: Evaluate | None = None
+    shape: Shape,
+    potential: Evaluate,
+    last_radius: float = SEARCH.last_radius,
+    surrogate: Evaluate | None = None,
 ) -> Generator[float | None, None, Barycentroid]:
     """Find the barycentroid; yields the share done, or None, every few milliseconds.
 
@@ -67,8 +89,8 @@ def barycentroid_steps(
         shape: where to look.
         potential: U at (p, dimension) points, (p,), NaN outside, as a generator.
         last_radius: where a descent ends, in diagonals of the shape.
-        scout: U within a tolerance, if that is to be had much sooner: it leads the descents as far as it can
-            tell where is down, and U itself the rest of the way.
+        surrogate: U within a tolerance, if that is to be had much sooner: it leads the descents as far as it
+            can tell the way down, and U itself the rest of it.
 
     Raises:
         ShapeError: no point inside could be found (a MeshError or a PolygonError).
@@ -80,11 +102,11 @@ def barycentroid_steps(
         kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
         raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
     paths = [point[None] for point in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal)]
-    radius = START_RADIUS * shape.diagonal
+    radius = SEARCH.start_radius * shape.diagonal
     if surrogate is not None:
-        scouted = yield from _descents(surrogate, paths, radius, SCOUTED_RADIUS * shape.diagonal)
-        if scouted[0].potential > SURE * values[inside].max():
-            paths, radius = [end.path for end in scouted], SCOUTED_RADIUS * shape.diagonal
+        led = yield from _descents(surrogate, paths, radius, SEARCH.surrogate_radius * shape.diagonal)
+        if led[0].potential > SEARCH.surrogate_contrast * values[inside].max():
+            paths, radius = [end.path for end in led], SEARCH.surrogate_radius * shape.diagonal
     return (yield from _descents(potential, paths, radius, last_radius * shape.diagonal))[0]
 
 
@@ -100,7 +122,7 @@ def interior_sample_steps(shape: Shape) -> Generator[None, None, Floats]:
     """`interior_samples` as a generator that yields between the planes."""
     if isinstance(shape, Polygon):
         yield
-        return _filling(polygon_section(shape), LAYERS * SAMPLES_A_LAYER)[:, :2]
+        return _filling(polygon_section(shape), SEARCH.layers * SEARCH.samples_per_layer)[:, :2]
     assert isinstance(shape, Mesh)
     return (yield from _layers(shape))
 
@@ -108,10 +130,10 @@ def interior_sample_steps(shape: Shape) -> Generator[None, None, Floats]:
 def _layers(mesh: Mesh) -> Generator[None, None, Floats]:
     axis = list(AXES)[int(np.argmax(np.ptp(mesh.bounds, axis=0)))]
     layers = []
-    for fraction in (np.arange(LAYERS) + 0.5) / LAYERS:
+    for fraction in (np.arange(SEARCH.layers) + 0.5) / SEARCH.layers:
         cut = section(mesh, Plane.along(axis, float(fraction), mesh.bounds))
         if cut.area > 0.0:
-            layers.append(_filling(cut, SAMPLES_A_LAYER))
+            layers.append(_filling(cut, SEARCH.samples_per_layer))
         yield
     return np.concatenate(layers) if layers else np.empty((0, 3))
 
@@ -126,7 +148,7 @@ def _largest_triangles(filled: SliceMesh) -> Floats:
     """Middles of a section's largest triangles: inner points also where it is thinner than the lattice."""
     corners = filled.points[filled.triangles]
     sizes = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    return corners[np.argsort(-sizes, kind="stable")[:SAMPLES_A_LAYER]].mean(axis=1)
+    return corners[np.argsort(-sizes, kind="stable")[: SEARCH.samples_per_layer]].mean(axis=1)
 
 
 def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:
@@ -135,7 +157,7 @@ def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:
     for point in points[np.argsort(values, kind="stable")]:
         if all(np.linalg.norm(point - other) >= apart for other in chosen):
             chosen.append(point)
-        if len(chosen) == STARTS:
+        if len(chosen) == SEARCH.starts:
             break
     return chosen
 
@@ -151,7 +173,7 @@ def _descents(
 
 
 def _descend(
-    potential: Evaluate, way: Floats, radius: float, last_radius: float, ends: list[Barycentroid]
+    potential: Evaluate, path: Floats, radius: float, last_radius: float, ends: list[Barycentroid]
 ) -> Generator[float | None, None, None]:
     """Follow U^2 downhill by quadratic models fitted within a trust radius, and add where that ends.
 
@@ -159,11 +181,11 @@ def _descend(
     whose step is tried together with the stencil to follow and with steps of other lengths. A descent that
     comes to an end that is known already, and lower, is given up.
     """
-    model = _Model.of(way.shape[1])
+    model = _Model.of(path.shape[1])
     around = len(model.stencil)
-    point, path = way[-1], list(way)
+    point, steps = path[-1], list(path)
     heights = yield from potential(point + radius * model.stencil)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(SEARCH.most_steps):
         if radius < last_radius or _joins(point, heights[0], radius, ends):
             break
         if not np.isfinite(heights).all():
@@ -174,23 +196,25 @@ def _descend(
             continue
         step = model.step(heights**2) * radius
         length = float(np.linalg.norm(step))
-        closer = min(max(2.0 * length, SHRINKING * radius), 2.0 * radius)
-        tried = np.concatenate([point + step + closer * model.stencil, point + np.outer(_LENGTHS, step)])
+        closer = min(max(2.0 * length, SEARCH.shrinking * radius), 2.0 * radius)
+        tried = np.concatenate(
+            [point + step + closer * model.stencil, point + np.outer(SEARCH.step_lengths, step)]
+        )
         found = yield from potential(tried)
         if found[0] < heights[0] and not found[around:].min() < found[0]:
             point, radius, heights = tried[0], closer, found[:around]
-            path.append(point)
+            steps.append(point)
             continue
         candidates = np.concatenate([point + radius * model.stencil, tried])
         lowest = int(np.nanargmin(np.concatenate([heights, found])))
         moved = float(np.linalg.norm(candidates[lowest] - point))
         if lowest > 0:
             point = candidates[lowest]
-            path.append(point)
-        radius = min(max(2.0 * moved, SHRINKING * radius), radius if moved < radius else 2.0 * radius)
+            steps.append(point)
+        radius = min(max(2.0 * moved, SEARCH.shrinking * radius), radius if moved < radius else 2.0 * radius)
         heights = yield from potential(point + radius * model.stencil)
     if not _joins(point, heights[0], radius, ends):
-        ends.append(Barycentroid(point, float(heights[0]), np.array(path)))
+        ends.append(Barycentroid(point, float(heights[0]), np.array(steps)))
 
 
 def _joins(point: Floats, height: float, radius: float, ends: list[Barycentroid]) -> bool:
@@ -233,11 +257,7 @@ class _Model:
             hessian[first, second] = hessian[second, first] = value
         curvatures, directions = np.linalg.eigh(hessian)
         steepest = max(float(np.abs(curvatures).max()), float(np.linalg.norm(gradient)))
-        floor = FLATTEST * max(steepest, np.finfo(float).tiny)
+        floor = SEARCH.least_curvature * max(steepest, np.finfo(float).tiny)
         step = -directions @ ((directions.T @ gradient) / np.maximum(np.abs(curvatures), floor))
         length = float(np.linalg.norm(step))
         return step if length <= 2.0 else step * (2.0 / length)
-
-
-_LENGTHS = np.array([0.25, 0.5, 2.0])
-"""Shares of a step that are tried beside it; with the stencil, points fill a block."""

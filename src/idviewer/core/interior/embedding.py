@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.distances import Distance, QuadraticForm, check_dimension
-from idviewer.core.interior.barycentroid import LAST_RADIUS
+from idviewer.core.interior.barycentroid import SEARCH
 from idviewer.core.interior.embedded_points import squares_of
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum, eigenpair_steps
@@ -52,8 +52,8 @@ class EmbeddedBoundary:
     [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]]
     """
 
-    position_accuracy: float = LAST_RADIUS
-    """Share of the diagonal to which places inside are told."""
+    position_accuracy: float = SEARCH.last_radius
+    """Share of the diagonal within which the barycentroid is looked for."""
 
     def __init__(
         self,

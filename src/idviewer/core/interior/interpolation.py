@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +19,9 @@ from idviewer.core.interior.embedding import EmbeddedBoundary
 ERROR_SHARE_OF_AN_END = 0.5
 """Part of a distance's error that each of its two ends may cause."""
 
-WEIGHTS_PER_STEP = 2**21
-"""Weights between two checkpoints where no embedding is interpolated."""
-
 
 class BasisInterpolation:
-    """The basis of an embedded boundary carried inside: b(p) = sum_i w_i(p) b_i.
+    """The basis of an embedded boundary interpolated inside: b(p) = sum_i w_i(p) b_i.
 
     Args:
         boundary: whose basis is interpolated.
@@ -35,6 +33,9 @@ class BasisInterpolation:
     Raises:
         ValueError: rtol is negative, or 1 or more.
     """
+
+    weights_per_step: ClassVar[int] = 2**21
+    """Weights between two checkpoints where no embedding is interpolated."""
 
     def __init__(
         self,
@@ -120,7 +121,7 @@ class BasisInterpolation:
         shape, form = self.boundary.shape, self.boundary.form
         assert form is not None
         points = as_points(points, shape.dimension)
-        size = max(1, WEIGHTS_PER_STEP // len(shape.vertices))
+        size = max(1, self.weights_per_step // len(shape.vertices))
         squares = [np.empty(0)]
         for start in range(0, len(points), size):
             part = slice(start, start + size)

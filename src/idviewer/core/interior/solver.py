@@ -1,4 +1,4 @@
-"""The interior distance: a boundary embedding carried inside by barycentric coordinates."""
+"""The interior distance: a boundary embedding interpolated inside by barycentric coordinates."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class InteriorDistance:
 
     Attributes:
         boundary: the embedded vertices, with .distance, .basis (n, k), .scale (k,), .embedding (n, k).
-        interpolation: what carries the basis inside, with steps for work that is to be interrupted.
+        interpolation: of the basis inside, with steps for work that is to be interrupted.
 
     Raises:
         ValueError: unknown coordinates, a negative rtol, or what does not fit the shape.
-        ShapeError: the distance asks for more eigenpairs than the shape carries.
+        ShapeError: the distance asks for more eigenpairs than the shape has.
 
     >>> from idviewer.core import Euclidean, Mesh
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -147,7 +147,7 @@ class InteriorDistance:
         return solver_of_parts(self.boundary, self.interpolation.with_coordinates(coordinates))
 
     def embed(self, points: ArrayLike) -> Floats:
-        """Points carried into the embedding, p* = sum_i w_i(p) v_i*.
+        """Map points into the embedding, p* = sum_i w_i(p) v_i*.
 
         Args:
             points: (p, dimension).

@@ -1,4 +1,4 @@
-"""Functions on a simplified mesh, carried to points on or near its surface."""
+"""Closest points on a mesh, and the matrix that interpolates its functions there."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.steps import finish
 
-AT_A_TIME = 5_000
-"""Points landed between two checkpoints: some five milliseconds."""
+POINTS_PER_STEP = 5_000
+"""Points projected between two checkpoints: some five milliseconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,15 +40,15 @@ class SurfacePoints:
 
 
 class ClosestPointProjection:
-    """A mesh on which points are landed.
+    """Closest-point projection onto a mesh.
 
     Args:
         mesh: c vertices.
 
     >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     >>> tetrahedron = Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> landings = ClosestPointProjection(tetrahedron).project([[0.25, 0.25, -0.1]])
-    >>> (landings.matrix(tetrahedron) @ tetrahedron.vertices).tolist()
+    >>> closest = ClosestPointProjection(tetrahedron).project([[0.25, 0.25, -0.1]])
+    >>> (closest.matrix(tetrahedron) @ tetrahedron.vertices).tolist()
     [[0.25, 0.25, 0.0]]
     """
 
@@ -62,7 +62,7 @@ class ClosestPointProjection:
         return cKDTree(self.mesh.vertices)
 
     def project(self, points: ArrayLike, starts: Ints | None = None) -> SurfacePoints:
-        """The points of the surface closest to points (p, 3), as seen from where the walk to each starts.
+        """Find the points of the surface closest to points (p, 3), each walked to from a vertex.
 
         Args:
             points: (p, 3).
@@ -79,9 +79,9 @@ class ClosestPointProjection:
         if starts is None:
             starts = self._tree.query(points)[1]
         found, shares = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
-        for begin in range(0, len(points), AT_A_TIME):
-            part = slice(begin, begin + AT_A_TIME)
+        for begin in range(0, len(points), POINTS_PER_STEP):
+            part = slice(begin, begin + POINTS_PER_STEP)
             land(points[part], starts[part], self.mesh.vertices, self.mesh.faces, self._first, self._around,
                  found[part], shares[part])  # fmt: skip
-            yield min(1.0, (begin + AT_A_TIME) / len(points))
+            yield min(1.0, (begin + POINTS_PER_STEP) / len(points))
         return SurfacePoints(found, shares)

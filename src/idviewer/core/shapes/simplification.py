@@ -18,13 +18,13 @@ from idviewer.core.arrays import Ints
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.steps import beside, finish
 
-GROWTH = 2.0
+COST_GROWTH = 2.0
 """From pass to pass, the cost up to which edges are collapsed."""
 
-LONGEST = 4.0
+LONGEST_EDGE = 4.0
 """Edges so many times as long as those of an even mesh are not collapsed: the shape itself resists."""
 
-AT_A_TIME = 20_000
+HALF_EDGES_PER_STEP = 20_000
 """Half-edges looked at between two checkpoints: some five milliseconds."""
 
 
@@ -34,7 +34,7 @@ class Simplified:
 
     Attributes:
         mesh: of c vertices, all of them vertices of the full mesh.
-        heirs: (n,) for each vertex of the full mesh, the one near it in the simplified mesh.
+        parents: (n,) for each vertex of the full mesh, the one near it in the simplified mesh.
     """
 
     mesh: Mesh
@@ -63,12 +63,12 @@ def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float | None, N
     even = 2.0 * mesh.area / (math.sqrt(3.0) * mesh.diagonal**2 * max(vertices, 4))
     limit = even * max(vertices, 4) / count
     left = count
-    while left > vertices and limit < LONGEST**2 * even:
-        for first in range(0, len(surface.tails), AT_A_TIME):
-            last = min(first + AT_A_TIME, len(surface.tails))
+    while left > vertices and limit < LONGEST_EDGE**2 * even:
+        for first in range(0, len(surface.tails), HALF_EDGES_PER_STEP):
+            last = min(first + HALF_EDGES_PER_STEP, len(surface.tails))
             left -= collapse_some(surface, first, last, limit, left - vertices)
             yield 0.1 + 0.8 * (count - left) / max(count - vertices, 1)
-        limit *= GROWTH
+        limit *= COST_GROWTH
     return _without_gaps(mesh, surface)
 
 
@@ -91,11 +91,11 @@ def _without_gaps(mesh: Mesh, surface: HalfEdges) -> Simplified:
         small = Mesh(mesh.vertices[kept], numbers[tails].reshape(-1, 3), name=mesh.name)
     except MeshError:
         return Simplified(mesh, everywhere)
-    return Simplified(small, numbers[_last_heirs(surface.parents)])
+    return Simplified(small, numbers[_last_parents(surface.parents)])
 
 
-def _last_heirs(parents: NDArray[np.int32]) -> Ints:
-    """The vertex in which each chain of heirs ends; each round halves the chains."""
+def _last_parents(parents: NDArray[np.int32]) -> Ints:
+    """The vertex in which each chain of parents ends; each round halves the chains."""
     while True:
         further = parents[parents]
         if np.array_equal(further, parents):

@@ -18,7 +18,7 @@ BLOCK = LANES
 is wide, and symmetry makes at most five of a body equal (the largest irreducible representation of a finite
 point group, the icosahedron's)."""
 
-DEPENDENT = 1e-10
+DEPENDENCE = 1e-10
 """A block that is longer than the space by less than this, in largest eigenvalues, adds nothing to it."""
 
 
@@ -101,7 +101,7 @@ class BlockLanczos:
 
     def _is_dependent(self, block: Floats) -> bool:
         largest = np.abs(np.linalg.eigvalsh(0.5 * (self._projected + self._projected.T))).max()
-        return bool(np.abs(np.diag(np.linalg.qr(block, mode="r"))).min() < DEPENDENT * largest)
+        return bool(np.abs(np.diag(np.linalg.qr(block, mode="r"))).min() < DEPENDENCE * largest)
 
     def ritz_pairs(self, null: float = 0.0) -> tuple[Floats, Floats, Floats]:
         """Approximate positive eigenvalues of A, their coefficients (size, k), and residuals.

@@ -33,14 +33,25 @@ SOLVER_VERSION = 1
 SMALLEST_KEPT = 1e-6
 """The paper keeps the modes with exp(-lambda t) above this (Rustamov et al. 2009, appendix)."""
 
-DENSE_VERTICES = 700
-"""Shapes of up to so many vertices are left to a dense solver, which knows no limit to the modes."""
 
-ESTIMATED_FROM_VERTICES, ESTIMATE_VERTICES = 6000, 2000
-"""Meshes of so many vertices are simplified to so many, to know beforehand where lambda_2 is about."""
+@dataclass(frozen=True)
+class EigenSolverSettings:
+    """Which shapes are left to which solver, by their numbers of vertices.
 
-DENSE_POLYGON_VERTICES = 250
-"""Polygons of up to so many vertices likewise; above, iterating for the lowest twenty modes is faster."""
+    Attributes:
+        dense_vertices: up to so many a dense solver is taken, which knows no limit to the modes.
+        dense_polygon_vertices: likewise of polygons; above, iterating for the lowest twenty modes is faster.
+        estimated_from_vertices: meshes of so many are simplified, to know beforehand where lambda_2 is about.
+        estimate_vertices: of the simplified mesh.
+    """
+
+    dense_vertices: int = 700
+    dense_polygon_vertices: int = 250
+    estimated_from_vertices: int = 6000
+    estimate_vertices: int = 2000
+
+
+EIGEN_SOLVER = EigenSolverSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +161,7 @@ def _lowest_of(shape: Shape, k: int) -> Spectrum:
     """The k lowest pairs of a shape."""
     check_memory(shape)
     laplacian, masses = check_operator(laplacian_of(shape), masses_of(shape), k)
-    if isinstance(shape, Polygon) and len(masses) <= DENSE_VERTICES:
+    if isinstance(shape, Polygon) and len(masses) <= EIGEN_SOLVER.dense_vertices:
         values, vectors, _ = low_pairs(shape, masses, lambda _: math.inf)
         if k <= len(values):
             bound = math.inf if k == len(masses) - 1 else float(values[k - 1])
@@ -179,16 +190,16 @@ def _pair_steps(shape: Shape, cutoff: Cutoff, estimate: float | None) -> Steps:
     yield 0.0
     if isinstance(shape, Polygon):
         return (yield from _polygon_steps(shape, masses, cutoff))
-    if len(masses) <= DENSE_VERTICES:
+    if len(masses) <= EIGEN_SOLVER.dense_vertices:
         return _all_pairs(laplacian_of(shape), masses, cutoff)
-    if estimate is None and isinstance(shape, Mesh) and len(masses) >= ESTIMATED_FROM_VERTICES:
+    if estimate is None and isinstance(shape, Mesh) and len(masses) >= EIGEN_SOLVER.estimated_from_vertices:
         estimate = yield from _estimate_steps(shape)
     return (yield from _krylov_steps(shape, masses, cutoff, estimate))
 
 
 def _estimate_steps(mesh: Mesh) -> Generator[float | None, None, float | None]:
     """lambda_2 of a mesh within some percent, from a simplified one."""
-    steps = simplification_steps(mesh, ESTIMATE_VERTICES)
+    steps = simplification_steps(mesh, EIGEN_SOLVER.estimate_vertices)
     small = (yield from without_shares(steps)).mesh
     if len(small.vertices) > 0.5 * len(mesh.vertices):
         return None
@@ -199,11 +210,11 @@ def _estimate_steps(mesh: Mesh) -> Generator[float | None, None, float | None]:
 
 def _polygon_steps(polygon: Polygon, masses: Floats, cutoff: Cutoff) -> Steps:
     """The kept pairs of a polygon: a few of many by iteration, all others by a dense solver."""
-    if len(masses) > DENSE_POLYGON_VERTICES:
+    if len(masses) > EIGEN_SOLVER.dense_polygon_vertices:
         try:
             return (yield from _krylov_steps(polygon, masses, cutoff))
         except PolygonError:
-            if len(masses) > DENSE_VERTICES:
+            if len(masses) > EIGEN_SOLVER.dense_vertices:
                 raise
     values, vectors, bound = low_pairs(polygon, masses, cutoff)
     return Spectrum(values, vectors, masses, 0.0, bound)

@@ -11,10 +11,10 @@ from scipy import sparse
 from idviewer.core.arrays import Floats
 from idviewer.core.shapes.mesh import Mesh, MeshError
 
-LENGTHENED = 1e-5
+LEAST_EXCESS = 1e-5
 """Every triangle inequality is to hold by so many mean edges: where need be, edges are made longer."""
 
-_KNOWN: WeakKeyDictionary[Mesh, tuple[sparse.csc_array, Floats]] = WeakKeyDictionary()
+_PAIRS_OF_MESHES: WeakKeyDictionary[Mesh, tuple[sparse.csc_array, Floats]] = WeakKeyDictionary()
 
 
 def intrinsic_pair(mesh: Mesh) -> tuple[sparse.csc_array, Floats]:
@@ -36,16 +36,16 @@ def intrinsic_pair(mesh: Mesh) -> tuple[sparse.csc_array, Floats]:
     >>> bool(abs(masses.sum() / mesh.area - 1.0) < 1e-9)
     True
     """
-    if mesh not in _KNOWN:
-        _KNOWN[mesh] = _made(mesh)
-    return _KNOWN[mesh]
+    if mesh not in _PAIRS_OF_MESHES:
+        _PAIRS_OF_MESHES[mesh] = _intrinsic_pair(mesh)
+    return _PAIRS_OF_MESHES[mesh]
 
 
-def _made(mesh: Mesh) -> tuple[sparse.csc_array, Floats]:
+def _intrinsic_pair(mesh: Mesh) -> tuple[sparse.csc_array, Floats]:
     # Lengths near one, as the library compares with numbers of its own.
     unit = (mesh.vertices - mesh.bounds.mean(axis=0)) / mesh.diagonal
     try:
-        stiffness, mass = robust_laplacian.mesh_laplacian(unit, np.array(mesh.faces), LENGTHENED)
+        stiffness, mass = robust_laplacian.mesh_laplacian(unit, np.array(mesh.faces), LEAST_EXCESS)
     except RuntimeError as error:
         raise _unfit(mesh) from error
     laplacian, masses = sparse.csc_array(stiffness), mass.diagonal() * mesh.diagonal**2

@@ -15,7 +15,7 @@ from idviewer.core._kernels.linear_algebra.tall import (
 )
 from idviewer.core.arrays import Floats, Ints
 
-CHUNK = 8
+BLOCKS_PER_ARRAY = 8
 """Blocks that are kept in one array, so that the basis grows without being copied."""
 
 
@@ -41,11 +41,11 @@ class KrylovBasis:
         return self._blocks
 
     def __getitem__(self, index: int) -> Floats:
-        return self._chunks[index // CHUNK][index % CHUNK]
+        return self._chunks[index // BLOCKS_PER_ARRAY][index % BLOCKS_PER_ARRAY]
 
     def __iter__(self) -> Iterator[Floats]:
         """All blocks, (b, n, LANES) at a time."""
-        for start, chunk in zip(range(0, self._blocks, CHUNK), self._chunks, strict=True):
+        for start, chunk in zip(range(0, self._blocks, BLOCKS_PER_ARRAY), self._chunks, strict=True):
             yield chunk[: self._blocks - start]
 
     def append(self, block: Floats) -> Floats:
@@ -53,8 +53,8 @@ class KrylovBasis:
 
         By Cholesky factors twice, or by reflections where it is nearly singular.
         """
-        if self._blocks % CHUNK == 0:
-            self._chunks.append(np.empty((CHUNK, self._count, LANES)))
+        if self._blocks % BLOCKS_PER_ARRAY == 0:
+            self._chunks.append(np.empty((BLOCKS_PER_ARRAY, self._count, LANES)))
         self._blocks += 1
         result = self[self._blocks - 1]
         upper = np.eye(LANES)
@@ -78,7 +78,7 @@ class KrylovBasis:
         padded = np.zeros((len(self) * LANES, blocks * LANES))
         padded[:known, :width] = -coefficients
         result = np.zeros((self._count, width))
-        for start, some in zip(range(0, len(padded), CHUNK * LANES), self, strict=True):
+        for start, some in zip(range(0, len(padded), BLOCKS_PER_ARRAY * LANES), self, strict=True):
             rows = padded[start : start + len(some) * LANES].reshape(-1, blocks, LANES)
             subtract_combinations(some, len(some), np.ascontiguousarray(rows.swapaxes(0, 1)), order, result)
             yield

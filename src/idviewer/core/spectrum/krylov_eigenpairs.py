@@ -21,22 +21,34 @@ from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 
 Cutoff = Callable[[float], float]
 
-RESIDUAL = 1e-6
-SHIFT_SHARE = 0.6
-"""Where among the eigenvalues the shift is, as a share of their bound: it takes the fewest vectors there."""
 
-FIRST_BLOCKS = 4
-LAST_BLOCKS = 7
-"""With fewer blocks beyond those that all modes come into sight with, none has been seen to end."""
+@dataclass(frozen=True)
+class KrylovSettings:
+    """When a Krylov space is large enough.
 
-VECTORS_OF_A_MODE = {True: 1.45, False: 2.5}
-"""Vectors for each mode until all are in sight, by whether the shift is among the eigenvalues."""
+    Attributes:
+        residual: relative, that every pair is to have; eigenvalues err by its square.
+        shift_share: where among the eigenvalues the shift is, as a share of their bound: it takes the fewest
+            vectors there.
+        first_blocks: where nothing is known of the number of modes.
+        last_blocks: beyond those that all modes come into sight with; with fewer none has been seen to end.
+        interior_vectors: for each mode, until all are in sight, with the shift among the eigenvalues.
+        exterior_vectors: likewise with the shift below them.
+        rate: how much better the worst of them then gets with each block: five to seven times.
+        factored_share: of the work that is done once the matrix is factored, which cannot be interrupted.
+    """
 
-RATE = 6.0
-"""How much better the worst of them then gets with each block: five to seven times."""
+    residual: float = 1e-6
+    shift_share: float = 0.6
+    first_blocks: int = 4
+    last_blocks: int = 7
+    interior_vectors: float = 1.45
+    exterior_vectors: float = 2.5
+    rate: float = 6.0
+    factored_share: float = 0.05
 
-FACTORED_SHARE = 0.05
-"""The share done once the matrix is factored, which cannot be interrupted."""
+
+KRYLOV = KrylovSettings()
 
 
 class LowPairs(NamedTuple):
@@ -70,9 +82,9 @@ def krylov_steps(
     matrix = sparse.csc_array(inverse_roots @ laplacian @ inverse_roots)
     shift, factor = yield from _factored(matrix, shape.vertices, bound, weyl)
     krylov = BlockLanczos(factor, shift, roots)
-    yield FACTORED_SHARE
+    yield KRYLOV.factored_share
     interior = factor.negative > 0
-    expected = (factor.negative - 1) / SHIFT_SHARE if interior else weyl.modes(bound)
+    expected = (factor.negative - 1) / KRYLOV.shift_share if interior else weyl.modes(bound)
     missing = _first_blocks(interior, expected)
     while True:
         for _ in range(min(krylov.remaining_blocks, missing)):
@@ -86,7 +98,7 @@ def krylov_steps(
         if krylov.remaining_blocks == 0 or (residuals[0] < 1e-3 and expected > 0.5 * len(masses)):
             raise _too_many(shape, expected)
         missing = _more_blocks(krylov.size, _first_blocks(interior, expected), residuals[: kept + 1].max())
-        yield min(0.95, FACTORED_SHARE + 0.9 * krylov.size / (krylov.size + missing * BLOCK))
+        yield min(0.95, KRYLOV.factored_share + 0.9 * krylov.size / (krylov.size + missing * BLOCK))
     vectors = yield from krylov.vector_steps(coefficients[:, :kept])
     vectors /= roots[:, None]
     return LowPairs(values[:kept], vectors, float(residuals[:kept].max()), bound)
@@ -99,7 +111,7 @@ def _factored(
     about known, if that can be factored, or else one below all of them."""
     identity = sparse.eye_array(len(points))
     if math.isfinite(bound):
-        shift = SHIFT_SHARE * bound
+        shift = KRYLOV.shift_share * bound
         try:
             steps = LDLFactorization.steps(
                 sparse.csc_array(matrix - shift * identity), points, definite=False
@@ -118,14 +130,15 @@ def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: 
     the inertia tells how many there are, with the constant that was left out.
     """
     enough = np.count_nonzero(below) >= negative - 1
-    return bool(enough and kept < len(below) and residuals.max() < RESIDUAL)
+    return bool(enough and kept < len(below) and residuals.max() < KRYLOV.residual)
 
 
 def _first_blocks(interior: bool, expected: float) -> int:
     """How large a Krylov space is to be before its end is looked for."""
     if not math.isfinite(expected):
-        return FIRST_BLOCKS
-    return LAST_BLOCKS + math.ceil(VECTORS_OF_A_MODE[interior] * expected / BLOCK)
+        return KRYLOV.first_blocks
+    vectors = KRYLOV.interior_vectors if interior else KRYLOV.exterior_vectors
+    return KRYLOV.last_blocks + math.ceil(vectors * expected / BLOCK)
 
 
 def _more_blocks(size: int, goal: int, worst: float) -> int:
@@ -136,7 +149,7 @@ def _more_blocks(size: int, goal: int, worst: float) -> int:
     blocks = size // BLOCK
     if blocks < goal:
         return min(goal - blocks, blocks)  # as little is known of the number of modes yet
-    return max(1, int(math.log(max(worst / RESIDUAL, 1.0)) / math.log(RATE)))
+    return max(1, int(math.log(max(worst / KRYLOV.residual, 1.0)) / math.log(KRYLOV.rate)))
 
 
 @dataclass(frozen=True)

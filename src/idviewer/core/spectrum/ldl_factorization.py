@@ -17,7 +17,7 @@ from idviewer.core.arrays import Floats, Ints
 from idviewer.core.spectrum.nested_dissection import SEPARATOR, dissection_steps
 from idviewer.core.steps import finish
 
-PRECISE = 2e-10
+LARGEST_RESIDUAL = 2e-10
 """Largest residual of a solution; eigenvalues lose ten times as much. Without refinement those seen are 1e-13
 to 2e-9, another one for each shift."""
 
@@ -55,7 +55,7 @@ class LDLFactorization:
 
     def _make(self, matrix: sparse.csc_array, points: Floats, definite: bool) -> Generator[None, None, None]:
         upper = sparse.coo_array(sparse.triu(matrix, 1))
-        order, path = yield from dissection_steps(points, np.stack([upper.row, upper.col], axis=1))
+        order, halves = yield from dissection_steps(points, np.stack([upper.row, upper.col], axis=1))
         permuted = sparse.csc_array(matrix[order][:, order])
         yield
         try:
@@ -65,30 +65,30 @@ class LDLFactorization:
         except RuntimeError as error:
             raise np.linalg.LinAlgError(f"the matrix cannot be factored: {error}") from error
         yield
-        over = 1.0 / factor.U.diagonal()
-        self.negative = int(np.count_nonzero(over < 0.0))
-        if definite and not np.all(over > 0.0):
+        inverse_pivots = 1.0 / factor.U.diagonal()
+        self.negative = int(np.count_nonzero(inverse_pivots < 0.0))
+        if definite and not np.all(inverse_pivots > 0.0):
             raise np.linalg.LinAlgError("the matrix is not positive definite in floating point")
-        if not (np.array_equal(factor.perm_r, factor.perm_c) and np.isfinite(over).all()):
+        if not (np.array_equal(factor.perm_r, factor.perm_c) and np.isfinite(inverse_pivots).all()):
             raise np.linalg.LinAlgError("the matrix cannot be factored without pivoting")
         yield
         # SuperLU reorders columns within the order it was given, by the elimination tree.
         moved = np.argsort(factor.perm_c)
         self.order: Ints = order[moved]
-        levels = min(path.shape[1], math.ceil(math.log2(max(thread_count(), 2))))
-        self._columns = _cut(factor.L, over, path[self.order, :levels])
+        levels = min(halves.shape[1], math.ceil(math.log2(max(thread_count(), 2))))
+        self._columns = _supernodes(factor.L, inverse_pivots, halves[self.order, :levels])
         copies = (len(self._columns.first_group) - 1) * len(self._columns.separating)
-        self._room = np.zeros((len(order) + copies, LANES))
+        self._workspace = np.zeros((len(order) + copies, LANES))
         self._refining: sparse.csr_array | None = None
         if not definite:
             yield
             self._refine(sparse.csr_array(permuted[moved][:, moved]))
 
     def _refine(self, matrix: sparse.csr_array) -> None:
-        """Has solutions refined where digits were lost."""
-        if self._residual(matrix) > PRECISE:
+        """Have solutions refined where digits were lost."""
+        if self._residual(matrix) > LARGEST_RESIDUAL:
             self._refining = matrix
-            if self._residual(matrix) > PRECISE:
+            if self._residual(matrix) > LARGEST_RESIDUAL:
                 raise np.linalg.LinAlgError("the matrix cannot be factored without pivoting")
 
     def _residual(self, matrix: sparse.csr_array) -> float:
@@ -107,29 +107,29 @@ class LDLFactorization:
     def solve_ordered(self, sides: Floats) -> Floats:
         """The same of up to LANES right-hand sides whose rows, like those of the result, are in `order`."""
         count, width = sides.shape
-        self._solve_in_room(sides)
-        result = self._room[:count, :width].copy()
+        self._solve_in_workspace(sides)
+        result = self._workspace[:count, :width].copy()
         if self._refining is not None:
             left = self._refining @ result
-            self._solve_in_room(np.subtract(sides, left, out=left))
-            result += self._room[:count, :width]
+            self._solve_in_workspace(np.subtract(sides, left, out=left))
+            result += self._workspace[:count, :width]
         return result
 
-    def _solve_in_room(self, sides: Floats) -> None:
+    def _solve_in_workspace(self, sides: Floats) -> None:
         count, width = sides.shape
-        self._room[:count, :width] = sides
-        self._room[:count, width:] = 0.0
-        self._room[count:] = 0.0
-        solve(*self._columns, self._room)
+        self._workspace[:count, :width] = sides
+        self._workspace[:count, width:] = 0.0
+        self._workspace[count:] = 0.0
+        solve(*self._columns, self._workspace)
 
 
-def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Columns:
-    """The factor's columns in parts, from the halves (n, levels) that its rows are in."""
+def _supernodes(lower: sparse.csc_array, inverse_pivots: Floats, halves: NDArray[np.int8]) -> Columns:
+    """Group the factor's columns in supernodes, by the halves (n, levels) that its rows are in."""
     lower.sort_indices()
-    levels, count = path.shape[1], len(over)
+    levels, count = halves.shape[1], len(inverse_pivots)
     parts = 1 << levels
-    separates = (path == SEPARATOR).any(axis=1)
-    part = np.where(separates, parts, path.astype(np.int64) @ (1 << np.arange(levels)[::-1]))
+    separates = (halves == SEPARATOR).any(axis=1)
+    part = np.where(separates, parts, halves.astype(np.int64) @ (1 << np.arange(levels)[::-1]))
     separating = np.flatnonzero(separates)
     number = np.zeros(count, dtype=np.int64)
     number[separating] = np.arange(len(separating))
@@ -139,4 +139,4 @@ def _cut(lower: sparse.csc_array, over: Floats, path: NDArray[np.int8]) -> Colum
     first_group = np.searchsorted(part[groups], np.arange(parts + 1))
     starts = lower.indptr - np.arange(count + 1)
     rows, values = below_diagonal(lower.indptr, lower.indices, lower.data, part, number)
-    return Columns(groups, widths[groups], first_group, starts, rows, values, over, separating)
+    return Columns(groups, widths[groups], first_group, starts, rows, values, inverse_pivots, separating)

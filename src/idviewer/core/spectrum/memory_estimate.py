@@ -52,12 +52,12 @@ def vertices_for(available: float) -> int:
 
 
 @cache
-def available_bytes() -> float:
+def available_bytes(limit_files: tuple[Path, ...] = CONTAINER_LIMIT_FILES) -> float:
     """The memory of this machine, or what a container may have of it; infinite where it cannot be told."""
     found = [math.inf]
     with suppress(AttributeError, OSError, ValueError):
         found.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    for path in CONTAINER_LIMIT_FILES:
+    for path in limit_files:
         try:
             found.append(int(path.read_text()))
         except (OSError, ValueError):  # "max", or no such thing

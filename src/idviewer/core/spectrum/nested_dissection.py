@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.steps import finish
 
-SMALL = 24
+SMALLEST_PART = 24
 """Parts of about so many vertices are not cut any more."""
 
-OFF_MIDDLE = 0.15
+MOST_OFF_CENTRE = 0.15
 """How far from the middle a part may be cut, as a share of its vertices."""
 
 SEPARATOR = 2
@@ -36,8 +36,8 @@ def dissect(points: Floats, edges: Ints) -> tuple[Ints, NDArray[np.int8]]:
         SEPARATOR for the level at which it separates, and 0 from then on.
 
     >>> line = np.column_stack([np.arange(100.0), np.zeros((100, 2))])
-    >>> order, path = dissect(line, np.column_stack([np.arange(99), np.arange(1, 100)]))
-    >>> int(order[-1]), path.shape
+    >>> order, halves = dissect(line, np.column_stack([np.arange(99), np.arange(1, 100)]))
+    >>> int(order[-1]), halves.shape
     (49, (100, 3))
     """
     return finish(dissection_steps(points, edges))
@@ -46,8 +46,8 @@ def dissect(points: Floats, edges: Ints) -> tuple[Ints, NDArray[np.int8]]:
 def dissection_steps(points: Floats, edges: Ints) -> Generator[None, None, tuple[Ints, NDArray[np.int8]]]:
     """`dissect` as a generator."""
     count = len(points)
-    levels = max(1, math.ceil(math.log2(max(count, 2) / SMALL)))
-    path = np.zeros((count, levels), dtype=np.int8)
+    levels = max(1, math.ceil(math.log2(max(count, 2) / SMALLEST_PART)))
+    halves = np.zeros((count, levels), dtype=np.int8)
     left, part, place = np.arange(count), np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
     for level in range(levels):
         half = np.zeros(count, dtype=np.int8)
@@ -55,13 +55,13 @@ def dissection_steps(points: Floats, edges: Ints) -> Generator[None, None, tuple
         place[left] = np.arange(len(left))
         half[left] = _halves(points[left], part[left], 1 << level, place[edges])
         separator = _separator(edges, half, part, 1 << level)
-        path[left, level] = half[left]
-        path[separator, level] = SEPARATOR
+        halves[left, level] = half[left]
+        halves[separator, level] = SEPARATOR
         part[left] = 2 * part[left] + half[left]
         part[separator] = -1 - separator  # in no part with any other
         left = left[part[left] >= 0]
         yield
-    return np.lexsort(path.T[::-1]), path
+    return np.lexsort(halves.T[::-1]), halves
 
 
 def _halves(points: Floats, part: Ints, parts: int, edges: Ints) -> NDArray[np.bool_]:
@@ -105,7 +105,7 @@ def _thinnest(edges: Ints, part: Ints, counts: Ints, firsts: Ints) -> Ints:
     changes = begins - np.bincount(np.maximum(edges[:, 0], edges[:, 1]) + 1, minlength=size + 1)
     crossing = np.cumsum(changes)[:size]
     off = np.abs(np.arange(size) - (firsts + 0.5 * counts)[part]) / np.maximum(counts, 1)[part]
-    cost = np.where(off <= OFF_MIDDLE, crossing + off, np.inf)
+    cost = np.where(off <= MOST_OFF_CENTRE, crossing + off, np.inf)
     cut = firsts + counts // 2
     some = np.flatnonzero(counts)
     least = np.full(len(counts), np.inf)

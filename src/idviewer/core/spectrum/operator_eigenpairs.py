@@ -8,6 +8,7 @@ Krylov space holds no more than a block is wide, nor those of one component amon
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,25 +20,34 @@ from idviewer.core.arrays import Floats
 from idviewer.core.memory import bytes_in_words
 from idviewer.core.spectrum.block_lanczos import BLOCK, BlockLanczos
 from idviewer.core.spectrum.graph_positions import graph_positions
-from idviewer.core.spectrum.krylov_eigenpairs import RESIDUAL, LowPairs
+from idviewer.core.spectrum.krylov_eigenpairs import KRYLOV, LowPairs
 from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 from idviewer.core.spectrum.memory_estimate import available_bytes
 from idviewer.core.steps import finish
 
-DENSE_UNKNOWNS = 700
-"""Up to so many unknowns, or where k is over a third of them, the solver is a dense one."""
 
-DENSE_MATRICES = 3
-"""Matrices (n, n) that the dense solver holds at once."""
+@dataclass(frozen=True)
+class OperatorSettings:
+    """When an eigenvalue is zero, and which solver is taken.
 
-NULL_SHARE = 1e3 * float(np.finfo(float).eps)
-"""Eigenvalues up to this share of the matrix's norm are zero, as far as floats can tell."""
+    Attributes:
+        dense_unknowns: up to so many, or where k is over a third of them, the solver is a dense one.
+        dense_matrices: (n, n), that it holds at once.
+        null_share: eigenvalues up to this share of the matrix's norm are zero, as far as floats can tell.
+        indefinite_share: negative eigenvalues of this share are none that rounding makes.
+        most_factors: factorizations until a shift is found.
+        most_spaces: Krylov spaces until no pair is missing.
+    """
 
-INDEFINITE_SHARE = 1e3 * NULL_SHARE
-"""Negative eigenvalues of this share are none that rounding makes."""
+    dense_unknowns: int = 700
+    dense_matrices: int = 3
+    null_share: float = 1e3 * float(np.finfo(float).eps)
+    indefinite_share: float = 1e6 * float(np.finfo(float).eps)
+    most_factors: int = 16
+    most_spaces: int = 200
 
-MOST_FACTORS, MOST_ROUNDS = 16, 200
-"""Factorizations until a shift is found, and Krylov spaces until no pair is missing."""
+
+OPERATOR = OperatorSettings()
 
 
 def check_operator(laplacian: sparse.sparray, masses: Any, k: int) -> tuple[sparse.csc_array, Floats]:
@@ -66,7 +76,7 @@ def check_operator(laplacian: sparse.sparray, masses: Any, k: int) -> tuple[spar
     if not np.isfinite(matrix.data).all():
         raise ValueError("L has entries that are not finite")
     largest = np.abs(matrix.data).max(initial=0.0)
-    if np.abs((matrix - matrix.T).data).max(initial=0.0) > NULL_SHARE * largest:
+    if np.abs((matrix - matrix.T).data).max(initial=0.0) > OPERATOR.null_share * largest:
         raise ValueError("L must be symmetric; take (L + L.T) / 2 if it is so but for rounding")
     if not (isinstance(k, int | np.integer) and 1 <= k <= count):
         raise ValueError(f"k must be a whole number from 1 to the {count} unknowns, not {k!r}")
@@ -111,7 +121,7 @@ def operator_pairs(
     inverse = sparse.diags_array(1.0 / roots)
     matrix = sparse.csc_array(inverse @ laplacian @ inverse)
     null = _constants(laplacian, roots)
-    if len(masses) <= DENSE_UNKNOWNS or 3 * (k + null.shape[1]) > len(masses):
+    if len(masses) <= OPERATOR.dense_unknowns or 3 * (k + null.shape[1]) > len(masses):
         pairs = _dense_pairs(matrix, k)
     else:
         places = graph_positions(matrix) if points is None else points
@@ -123,7 +133,7 @@ def _constants(laplacian: sparse.csc_array, roots: Floats) -> Floats:
     """(n, d) orthonormal: the function that is constant on a component, of each on which L maps it to 0."""
     count, component = csgraph.connected_components(laplacian, directed=False)
     sums, sizes = laplacian.sum(axis=1), abs(laplacian).sum(axis=1)
-    vanishing = np.bincount(component, np.abs(sums) > NULL_SHARE * sizes, count) == 0
+    vanishing = np.bincount(component, np.abs(sums) > OPERATOR.null_share * sizes, count) == 0
     column = np.cumsum(vanishing) - 1
     rows = np.flatnonzero(vanishing[component])
     need = 8.0 * len(roots) * float(vanishing.sum())
@@ -139,7 +149,7 @@ def _constants(laplacian: sparse.csc_array, roots: Floats) -> Floats:
 
 def _dense_pairs(matrix: sparse.csc_array, k: int) -> LowPairs:
     count = matrix.shape[0]
-    need = DENSE_MATRICES * 8.0 * count**2
+    need = OPERATOR.dense_matrices * 8.0 * count**2
     if need > available_bytes():
         raise ValueError(
             f"{k} of {count:,} eigenpairs take a dense solver and about {bytes_in_words(need)}; "
@@ -147,9 +157,9 @@ def _dense_pairs(matrix: sparse.csc_array, k: int) -> LowPairs:
         )
     values, vectors = scipy.linalg.eigh(matrix.toarray(), check_finite=False)
     size = float(np.abs(values).max(initial=0.0))
-    if values[0] < -INDEFINITE_SHARE * size:
+    if values[0] < -OPERATOR.indefinite_share * size:
         raise _indefinite()
-    first = int(np.searchsorted(values, NULL_SHARE * size, side="right"))
+    first = int(np.searchsorted(values, OPERATOR.null_share * size, side="right"))
     if first + k > count:
         raise _too_few(k, count - first)
     bound = math.inf if first + k == count else float(values[first + k - 1])
@@ -179,7 +189,7 @@ class _LowestPairs:
         self._values, self._vectors = np.empty(0), np.empty((len(points), 0))
         self._residual = 0.0
         try:
-            self._factored(-INDEFINITE_SHARE * self._size, definite=True)
+            self._factored(-OPERATOR.indefinite_share * self._size, definite=True)
         except np.linalg.LinAlgError:
             raise _indefinite() from None
 
@@ -191,7 +201,7 @@ class _LowestPairs:
         """The k lowest above the null space."""
         shift, factor = self._interior_shift(k)
         missing = k
-        for seed in range(MOST_ROUNDS):
+        for seed in range(OPERATOR.most_spaces):
             before = len(self._values) + self._null.shape[1]
             known = np.concatenate([self._null, self._vectors], axis=1)
             self._take(BlockLanczos(factor, shift, known, seed, stops=True), missing)
@@ -209,7 +219,7 @@ class _LowestPairs:
         low, high, known = 0.0, math.inf, self._null.shape[1]
         shift = 0.5 * k / len(self._points) * float(self._matrix.diagonal().mean())
         made = None
-        for _ in range(MOST_FACTORS):
+        for _ in range(OPERATOR.most_factors):
             try:
                 factor = self._factored(shift)
             except np.linalg.LinAlgError:
@@ -232,19 +242,21 @@ class _LowestPairs:
 
     def _take(self, krylov: BlockLanczos, wanted: int) -> None:
         """Adds the lowest converged pairs of a space that is made as large as the wanted ones need."""
-        null, blocks = NULL_SHARE * self._size, 4 + math.ceil(1.5 * wanted / BLOCK)
+        null, blocks = OPERATOR.null_share * self._size, 4 + math.ceil(1.5 * wanted / BLOCK)
         while True:
             for _ in range(min(blocks, krylov.remaining_blocks)):
                 finish(krylov.expand())
                 if krylov.exhausted:
                     break
             values, coefficients, residuals = krylov.ritz_pairs(null)
-            last = np.append(np.flatnonzero(residuals >= RESIDUAL), len(values))[0]
+            last = np.append(np.flatnonzero(residuals >= KRYLOV.residual), len(values))[0]
             if last > wanted or krylov.remaining_blocks == 0:
                 break
             blocks = max(1, krylov.size // (8 * BLOCK))
         chosen = (
-            np.flatnonzero(residuals < RESIDUAL) if krylov.exhausted else np.arange(min(last, wanted + 1))
+            np.flatnonzero(residuals < KRYLOV.residual)
+            if krylov.exhausted
+            else np.arange(min(last, wanted + 1))
         )
         vectors = krylov.vectors(coefficients[:, chosen])
         zero = values[chosen] <= null

@@ -11,10 +11,10 @@ import scipy.linalg
 from idviewer.core.arrays import Floats
 from idviewer.core.shapes.polygon import Polygon
 
-FIRST = 32
+FIRST_PAIRS = 32
 """Eigenpairs computed at first; the paper's cut-off keeps some 20 of a loop, however fine it is."""
 
-RESOLVED = 1e-13
+RESOLVED_SHARE = 1e-13
 """Eigenvalues above the lowest one over this are lost in rounding, and left out."""
 
 
@@ -33,11 +33,11 @@ def low_pairs(
     """
     roots, green = np.sqrt(masses), _green(polygon.resistances(), masses / masses.sum())
     matrix, most = roots[:, None] * green * roots, len(masses) - 1
-    wanted = min(FIRST, most)
+    wanted = min(FIRST_PAIRS, most)
     while True:
         inverses, vectors = _largest(matrix, wanted)
         inverses, vectors = inverses[::-1], vectors[:, ::-1]
-        resolved = int(np.count_nonzero(inverses > RESOLVED * inverses[0]))
+        resolved = int(np.count_nonzero(inverses > RESOLVED_SHARE * inverses[0]))
         values = 1.0 / inverses[:resolved]
         bound = cutoff(float(values[0]))
         kept = int(np.searchsorted(values, bound))
