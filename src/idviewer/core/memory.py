@@ -34,15 +34,3 @@ def _trim() -> Callable[[int], int]:
         return ctypes.CDLL(None).malloc_trim
     except (AttributeError, OSError, TypeError):
         return lambda _kept: 0
-
-
-def bytes_in_words(count: float) -> str:
-    """Bytes in words, two digits.
-
-    >>> bytes_in_words(1.93e11), bytes_in_words(4.21e9), bytes_in_words(17e6)
-    ('190 GB', '4.2 GB', '17 MB')
-    """
-    power = min(3, max(1, math.floor(math.log10(max(count, 1.0) * 1.005) / 3)))
-    rounded = float(f"{count / 1e3**power:.2g}")
-    name = ("KB", "MB", "GB")[power - 1]
-    return f"{rounded:.0f} {name}" if rounded >= 10 else f"{rounded:g} {name}"
