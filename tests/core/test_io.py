@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tests.core import meshfiles, shapes
 from tests.core.meshfiles import outcome
 
-from idviewer.core.io.meshes import READABLE_SUFFIXES, inspect_file, read_mesh
+from idviewer.core.io.formats import readable_suffixes
+from idviewer.core.io.meshes import inspect_file, read_mesh
 from idviewer.core.shapes.mesh import Mesh, MeshError
 
 CUBE = shapes.cube()
@@ -56,7 +57,7 @@ def test_every_format_is_read(tmp_path, variant, shape):
 
 
 def test_suffixes_are_the_readable_ones_and_case_does_not_matter(tmp_path):
-    assert set(READABLE_SUFFIXES) == {suffix for suffix, _ in meshfiles.WRITERS.values()}
+    assert set(readable_suffixes(3)) == {suffix for suffix, _ in meshfiles.WRITERS.values()}
     assert read_mesh(str(write(tmp_path, ".OFF", meshfiles.off(*CUBE)))).volume == 1.0
 
 
@@ -110,13 +111,13 @@ def test_an_unknown_suffix(tmp_path):
     assert refusal(write(tmp_path, "", b"OFF")).startswith("a suffix must tell the file's format; save it as")
 
 
-@pytest.mark.parametrize("suffix", READABLE_SUFFIXES)
+@pytest.mark.parametrize("suffix", readable_suffixes(3))
 @pytest.mark.parametrize("data", [b"", b"\n \r\n\t"])
 def test_an_empty_file(tmp_path, suffix, data):
     assert refusal(write(tmp_path, suffix, data)) == "the file is empty; export it again"
 
 
-@pytest.mark.parametrize("suffix", READABLE_SUFFIXES)
+@pytest.mark.parametrize("suffix", readable_suffixes(3))
 def test_files_that_are_no_mesh(tmp_path, suffix):
     rng = np.random.default_rng(5)
     texts = [

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from tests.core.outlines import SQUARE, flower, with_holes
 
 from idviewer.core import (
@@ -23,6 +24,7 @@ from idviewer.core import (
 from idviewer.core.io import svg
 
 CSV = "0,0\n1,0\n1,1\n0,1\n"
+RING = "0 0, 1 0, 1 1, 0 1, 0 0"
 HOLED = "0,0\n4,0\n4,4\n0,4\n{}1,1\n2,1\n2,2\n1,2\n"
 
 
@@ -94,6 +96,30 @@ def test_json(tmp_path, content):
     for name in ("square.json", "square.geojson"):
         square = read_polygon(written(tmp_path, name, json.dumps(content)))
         np.testing.assert_array_equal(square.vertices, SQUARE)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"POLYGON (({RING}))",
+        f"polygon(({RING}))\n",
+        "POLYGON Z ((0 0 7, 1 0 7, 1 1 7, 0 1 7, 0 0 7))",
+        f"MULTIPOLYGON ((({RING})))",
+        f"GEOMETRYCOLLECTION (POLYGON (({RING})))",
+    ],
+)
+def test_well_known_text(tmp_path, text):
+    square = read_polygon(written(tmp_path, "square.wkt", text))
+    np.testing.assert_array_equal(square.vertices, SQUARE)
+    assert (square.name, len(square.loops)) == ("square", 1)
+
+
+def test_multipolygons_of_one_part_may_have_holes(tmp_path):
+    outer, hole = (4 * SQUARE).tolist(), (SQUARE + 1).tolist()
+    content = json.dumps({"type": "MultiPolygon", "coordinates": [[outer, hole]]})
+    assert read_polygon(written(tmp_path, "a.geojson", content)).area == 15.0
+    holed = "MULTIPOLYGON (((0 0, 4 0, 4 4, 0 4, 0 0), (1 1, 2 1, 2 2, 1 2, 1 1)))"
+    assert read_polygon(written(tmp_path, "a.wkt", holed)).area == 15.0
 
 
 def test_json_with_holes(tmp_path):
@@ -199,6 +225,18 @@ def test_svg_elements_are_told_by_their_id(tmp_path):
         ("a.json", "[" * 100_000, "nested too deeply"),
         ("a.geojson", '{"type": "MultiPolygon", "coordinates": []}', "as GeoJSON: .*'MultiPolygon'"),
         ("a.geojson", '{"type": "FeatureCollection", "features": [1]}', "holds no single Polygon"),
+        (
+            "a.geojson",
+            '{"type": "MultiPolygon", "coordinates": [[[[0,0],[1,0],[1,1]]], [[[5,0],[6,0],[6,1]]]]}',
+            "of the type 'MultiPolygon' holds no single Polygon",
+        ),
+        ("a.wkt", "POLYGON ((0 0, 1 0, 1", "as WKT: Expected number but encountered end of stream"),
+        ("a.wkt", "hello", "as WKT: Unknown type: 'HELLO'"),
+        ("a.wkt", "POLYGON ((0 0, 1 0, 1 1))", "as WKT: .*closed"),
+        ("a.wkt", "POLYGON EMPTY", "it holds no points|no single POLYGON"),
+        ("a.wkt", "LINESTRING (0 0, 1 0, 1 1)", "a LINESTRING of 1 parts is no single POLYGON"),
+        ("a.wkt", f"MULTIPOLYGON ((({RING})), ((5 0, 6 0, 6 1, 5 0)))", "of 2 parts is no single POLYGON"),
+        ("a.wkt", "POLYGON ((0 0, 1e999 0, 1 1, 0 0))", r"vertex 1 \(inf, 0\) is not finite"),
         ("a.svg", "<svg>\n<path</svg>", "as SVG: line 2: not well-formed"),
         ("a.svg", "hello", "line 1: syntax error"),
         ("a.svg", drawing(""), "it holds no path"),
@@ -253,6 +291,17 @@ def test_what_is_written_is_read_again(tmp_path, suffix):
         for loop, same in zip(polygon.loops, again.loops, strict=True):
             np.testing.assert_array_equal(polygon.vertices[loop], again.vertices[same])
     assert len(list(tmp_path.iterdir())) == 2  # nothing else is left lying about
+
+
+def test_shapely_writes_what_we_read(tmp_path):
+    polygon = with_holes()
+    loops = [polygon.vertices[loop] for loop in polygon.loops]
+    region = shapely.Polygon(loops[0], loops[1:])
+    texts = {"a.wkt": shapely.to_wkt(region, rounding_precision=17), "a.geojson": shapely.to_geojson(region)}
+    for name, text in texts.items():
+        again = read_polygon(written(tmp_path, name, text))
+        assert again.area == pytest.approx(polygon.area, rel=1e-14)
+        assert len(again.loops) == len(polygon.loops)
 
 
 def test_only_known_formats_are_written(tmp_path):

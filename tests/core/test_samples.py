@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from idviewer.core import read_polygon, read_shape
-from idviewer.core.io.samples import DEFAULT_SAMPLE, Sample, sample_names, sample_path, samples
+from idviewer.core.io.samples import DEFAULT_SAMPLE, Sample, all_samples, sample_names, sample_path
 
 POSES = ("human", "human_walking", "human_sitting")
 
@@ -117,14 +117,14 @@ def test_they_are_all_there_and_small_enough_to_bundle() -> None:
     folder = sample_path(DEFAULT_SAMPLE).parent
     assert {path.stem for path in folder.glob("*.ply")} == set(sample_names(3))
     assert {path.stem for path in folder.glob("*.csv")} == set(sample_names(2))
-    sizes = [sample.path.stat().st_size for sample in samples()]
+    sizes = [sample.path.stat().st_size for sample in all_samples()]
     assert sum(sizes) < 4_000_000
     assert max(sizes) < 2_000_000
 
 
 @pytest.mark.slow
 def test_descriptions_tell_the_number_of_vertices() -> None:
-    for sample in samples():
+    for sample in all_samples():
         assert isinstance(sample, Sample)
         count = len(read_shape(sample.path).vertices)
         assert sample.description.endswith((f", {count:,} vertices", f", {count} vertices, 2D"))

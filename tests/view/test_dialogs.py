@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from pytestqt.qtbot import QtBot
 
 from idviewer.core import ShapeError, read_shape
-from idviewer.core.io import POLYGON_SUFFIXES, READABLE_SUFFIXES
+from idviewer.core.io import readable_suffixes
 from idviewer.view.dialogs import open_dialog
 
 
@@ -23,9 +23,9 @@ def filters(qtbot: QtBot) -> dict[str, set[str]]:
 
 
 def test_every_readable_suffix_is_offered(filters: dict[str, set[str]]) -> None:
-    assert filters["Meshes"] == set(READABLE_SUFFIXES)
-    assert filters["Polygons"] == set(POLYGON_SUFFIXES)
-    assert filters["Shapes"] == {*READABLE_SUFFIXES, *POLYGON_SUFFIXES}
+    assert filters["Meshes"] == set(readable_suffixes(3))
+    assert filters["Polygons"] == set(readable_suffixes(2))
+    assert filters["Shapes"] == set(readable_suffixes())
     assert {".gltf", ".geojson"} <= filters["Shapes"]
     assert filters["All files"] == set()
 

@@ -178,9 +178,9 @@ def info(shape: str, /, *, json: Flag = False) -> int:
 @app.command
 def samples() -> None:
     """List the bundled shapes."""
-    from idviewer.core.io.samples import samples as bundled
+    from idviewer.core.io import all_samples
 
-    print("\n".join(f"{sample.name:<20}{sample.description}" for sample in bundled()))
+    print("\n".join(f"{sample.name:<20}{sample.description}" for sample in all_samples()))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -17,9 +17,9 @@ TITLE_WIDTH = 16
 
 def is_polygon(path: Path) -> bool:
     """Whether a file of that name holds a polygon."""
-    from idviewer.core.io import POLYGON_SUFFIXES
+    from idviewer.core.io import readable_suffixes
 
-    return path.suffix.lower() in POLYGON_SUFFIXES and not path.is_dir()
+    return path.suffix.lower() in readable_suffixes(2) and not path.is_dir()
 
 
 def mesh(name: str, path: Path, json: bool) -> tuple[str, bool]:

@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
 )
 
 from idviewer import __version__
-from idviewer.core.io import POLYGON_SUFFIXES, READABLE_SUFFIXES
+from idviewer.core.io import readable_suffixes
 
 ABOUT = """<h3>idviewer {version}</h3>
 <p>Distances inside shapes: it carries a distance between points of a surface to the points inside,
@@ -141,7 +141,7 @@ def open_dialog(folder: str, parent: QWidget) -> QFileDialog:
 def shape_file_filter() -> str:
     """The lines of the dialog's filter: every suffix that a reader is for, by kind of shape."""
     meshes, polygons = (
-        " ".join(f"*{suffix}" for suffix in suffixes) for suffixes in (READABLE_SUFFIXES, POLYGON_SUFFIXES)
+        " ".join(f"*{suffix}" for suffix in readable_suffixes(dimension)) for dimension in (3, 2)
     )
     return f"Shapes ({meshes} {polygons});;Meshes ({meshes});;Polygons ({polygons});;All files (*)"
 

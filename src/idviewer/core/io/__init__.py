@@ -1,17 +1,26 @@
 """Files: readers of meshes and polygons, and the bundled shapes."""
 
 from idviewer.core.io.atomic_write import PART_SUFFIX, atomic_path
-from idviewer.core.io.meshes import READABLE_SUFFIXES, inspect_file
-from idviewer.core.io.polygons import POLYGON_SUFFIXES
-from idviewer.core.io.samples import DEFAULT_SAMPLE
+from idviewer.core.io.formats import add_reader, readable_suffixes
+from idviewer.core.io.meshes import inspect_file, read_mesh
+from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
+from idviewer.core.io.samples import DEFAULT_SAMPLE, Sample, all_samples, sample_names, sample_path
 from idviewer.core.io.text import UnreadableError
 
 __all__ = [
     "DEFAULT_SAMPLE",
     "PART_SUFFIX",
-    "POLYGON_SUFFIXES",
-    "READABLE_SUFFIXES",
+    "Sample",
     "UnreadableError",
+    "add_reader",
+    "all_samples",
     "atomic_path",
     "inspect_file",
+    "read_mesh",
+    "read_polygon",
+    "read_shape",
+    "readable_suffixes",
+    "sample_names",
+    "sample_path",
+    "write_polygon",
 ]

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import stat
-from collections.abc import Sequence
 from pathlib import Path
 
+from idviewer.core.io.formats import why_unreadable
 from idviewer.core.io.text import UnreadableError
 
 
-def bytes_of(path: Path, kind: str, unfit: str, suffixes: Sequence[str]) -> bytes:
-    """What a file holds.
+def bytes_of(path: Path, dimension: int) -> bytes:
+    """Read a file.
 
     Args:
         path: of the file.
-        kind: of shape that is looked for, for messages.
-        unfit: what there is to say of files with another suffix.
-        suffixes: those of the files that are read.
+        dimension: of the shape that is looked for: 3 for a mesh, 2 for a polygon.
 
     Raises:
         UnreadableError: there is no such file, it cannot be read, or there is nothing in it.
@@ -24,11 +22,12 @@ def bytes_of(path: Path, kind: str, unfit: str, suffixes: Sequence[str]) -> byte
     try:
         mode = path.stat().st_mode
         if stat.S_ISDIR(mode):
+            kind = "polygon" if dimension == 2 else "mesh"
             raise UnreadableError(f"this is a folder; name a {kind} file in it")
         if not stat.S_ISREG(mode):
             raise UnreadableError("this is no ordinary file")
-        if path.suffix.lower() not in suffixes:
-            raise UnreadableError(wrong_suffix(path, unfit, suffixes))
+        if problem := why_unreadable(path, dimension):
+            raise UnreadableError(problem)
         data = path.read_bytes()
     except UnreadableError:
         raise
@@ -40,19 +39,3 @@ def bytes_of(path: Path, kind: str, unfit: str, suffixes: Sequence[str]) -> byte
     if not data.strip():
         raise UnreadableError("the file is empty; export it again")
     return data
-
-
-def wrong_suffix(path: Path, unfit: str, suffixes: Sequence[str]) -> str:
-    """What to do about a suffix that no reader is for.
-
-    >>> wrong_suffix(Path("a.doc"), "cannot be read", (".off", ".obj"))
-    "'.doc' files cannot be read; save it as one of .off, .obj"
-    """
-    suffix = path.suffix.lower()
-    what = f"'{told(suffix)}' files {unfit}" if suffix else "a suffix must tell the file's format"
-    return f"{what}; save it as one of {', '.join(suffixes)}"
-
-
-def told(thing: object) -> str:
-    """A path or a cause on one line, whatever it is made of."""
-    return "".join(letter if letter.isprintable() else "?" for letter in str(thing))

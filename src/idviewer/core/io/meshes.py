@@ -3,35 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
-from idviewer.core.io.files import bytes_of, told
-from idviewer.core.io.gltf import read_glb, read_gltf
-from idviewer.core.io.obj import read_obj
-from idviewer.core.io.off import read_off
-from idviewer.core.io.ply import read_ply
-from idviewer.core.io.stl import read_stl
+from idviewer.core.io.files import bytes_of
+from idviewer.core.io.formats import format_of, one_line
 from idviewer.core.io.text import UnreadableError
-from idviewer.core.io.vtp import read_vtp
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnosis_of
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.repair import mended
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
-
-_READERS: dict[str, Callable[[bytes], PolygonSoup]] = {
-    ".off": read_off,
-    ".obj": read_obj,
-    ".ply": read_ply,
-    ".stl": read_stl,
-    ".glb": read_glb,
-    ".gltf": read_gltf,
-    ".vtp": read_vtp,
-}
-
-READABLE_SUFFIXES = tuple(_READERS)
-"""Suffixes of the files that can be read, in lower case and with their dot."""
 
 
 def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mesh:
@@ -49,7 +30,7 @@ def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mes
             surface. The message is one line that names the file.
     """
     path = Path(path)
-    return mended(_polygons(path), path.stem, told(path), component)
+    return mended(_polygons(path), path.stem, one_line(path), component)
 
 
 def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
@@ -64,18 +45,17 @@ def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
 def _polygons(path: Path) -> PolygonSoup:
     """What the file holds, unchecked."""
     try:
-        data = bytes_of(path, "mesh", "cannot be read", READABLE_SUFFIXES)
+        data = bytes_of(path, 3)
     except UnreadableError as error:
-        raise MeshError(f"{told(path)}: {error}") from error
-    return _parsed(path, path.suffix.lower(), data)
-
-
-def _parsed(path: Path, suffix: str, data: bytes) -> PolygonSoup:
-    kind = {".gltf": "glTF"}.get(suffix, suffix[1:].upper())
+        raise MeshError(f"{one_line(path)}: {error}") from error
+    known = format_of(path)
+    assert known is not None
+    assert known.read is not None
+    where, kind = one_line(path), known.title
     try:
-        return read_gltf(data, path.parent) if suffix == ".gltf" else _READERS[suffix](data)
+        return known.read(data, path)
     except UnreadableError as error:
-        raise MeshError(f"{told(path)}: not a whole {kind} file: {told(error)}; export it again") from error
+        raise MeshError(f"{where}: not a whole {kind} file: {one_line(error)}; export it again") from error
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line
-        cause = told(f"{type(error).__name__}: {error}")[:100]
-        raise MeshError(f"{told(path)}: not a readable {kind} file ({cause}); export it again") from error
+        cause = one_line(f"{type(error).__name__}: {error}")[:100]
+        raise MeshError(f"{where}: not a readable {kind} file ({cause}); export it again") from error

@@ -8,6 +8,7 @@ import re
 from typing import Any
 
 import numpy as np
+import shapely
 
 from idviewer.core.arrays import Floats
 from idviewer.core.io.text import UnreadableError
@@ -47,6 +48,19 @@ def read_json(data: bytes) -> list[Floats]:
     return _opened([_loop(points, where) for points, where in _rings(content)])
 
 
+def read_wkt(data: bytes) -> list[Floats]:
+    """Loops of a file with well-known text: a POLYGON, or a MULTIPOLYGON of one part, without heights."""
+    try:
+        with np.errstate(over="ignore"):  # infinite coordinates are told of later
+            geometry = shapely.from_wkt(_text(data))
+    except shapely.errors.ShapelyError as error:
+        raise UnreadableError(str(error).rpartition("Exception: ")[2]) from None
+    parts = shapely.get_parts(geometry)
+    if len(parts) != 1 or parts[0].geom_type != "Polygon":
+        raise UnreadableError(f"a {geometry.geom_type.upper()} of {len(parts)} parts is no single POLYGON")
+    return _opened([shapely.get_coordinates(ring) for ring in shapely.get_rings(parts[0])])
+
+
 def _rings(content: Any) -> list[tuple[Any, str]]:
     """The lists of points of a JSON file, and where in the file each one is."""
     if isinstance(content, list):
@@ -71,6 +85,8 @@ def _geojson(content: dict[str, Any]) -> list[tuple[Any, str]]:
     if kind == "Feature" and isinstance(content.get("geometry"), dict):
         content = content["geometry"]
         kind = content.get("type")
+    if kind == "MultiPolygon" and len(content.get("coordinates", [])) == 1:
+        content, kind = {"coordinates": content["coordinates"][0]}, "Polygon"
     if kind != "Polygon" or not isinstance(content.get("coordinates"), list):
         raise UnreadableError(f"GeoJSON of the type {str(kind)[:30]!a} holds no single Polygon")
     return [(ring, f"coordinates[{i}]") for i, ring in enumerate(content["coordinates"])]

@@ -10,27 +10,25 @@ from pathlib import Path
 from idviewer.core.arrays import Floats
 from idviewer.core.errors import ShapeError
 from idviewer.core.io.atomic_write import atomic_path
-from idviewer.core.io.files import bytes_of, told, wrong_suffix
-from idviewer.core.io.meshes import READABLE_SUFFIXES, read_mesh
-from idviewer.core.io.outlines import read_csv, read_json
+from idviewer.core.io.files import bytes_of
+from idviewer.core.io.formats import format_of, one_line, readable_suffixes, why_unreadable
+from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon, PolygonError
 from idviewer.core.shapes.shape import PolygonLike, as_polygon
 
-POLYGON_SUFFIXES = (".csv", ".svg", ".json", ".geojson")
-"""Suffixes of the polygon files that can be read, in lower case and with their dot."""
-
 
 def read_polygon(
     path: str | os.PathLike[str], samples: int | None = None, element: str | None = None
 ) -> Polygon:
-    """The polygon in a file: CSV, SVG, JSON or GeoJSON, told by its suffix.
+    """The polygon in a file: CSV, SVG, JSON, GeoJSON or WKT, told by its suffix.
 
     CSV holds x,y in each line, a header perhaps, and a blank line or nan,nan between loops. JSON holds a list
-    of [x, y], or {"outer": [...], "holes": [[...], ...]}, or a GeoJSON Polygon, also as a feature. Of an SVG
-    drawing the first path is taken, or else its first other shape; curves become chords within 1e-4 of the
-    diagonal, and y points up.
+    of [x, y], or {"outer": [...], "holes": [[...], ...]}, or a GeoJSON Polygon, also as a feature. WKT holds
+    a POLYGON; there and in GeoJSON a MultiPolygon will do if it has one part. Of an SVG drawing the first
+    path is taken, or else its first other shape; curves become chords within 1e-4 of the diagonal, and y
+    points up.
 
     Args:
         path: of the file.
@@ -47,7 +45,7 @@ def read_polygon(
         polygon = Polygon.of_loops(_loops(path, element))
         polygon = polygon if samples is None else polygon.resampled(samples)
     except PolygonError as error:
-        raise PolygonError(f"{told(path)}: {error}") from error
+        raise PolygonError(f"{one_line(path)}: {error}") from error
     return replace(polygon, name=path.stem)
 
 
@@ -70,17 +68,16 @@ def read_shape(
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix in POLYGON_SUFFIXES:
+    if suffix in readable_suffixes(2):
         if component is not None:
-            raise PolygonError(f"{told(path)}: a polygon has no components; leave the component out")
+            raise PolygonError(f"{one_line(path)}: a polygon has no components; leave the component out")
         return read_polygon(path, samples)
     if samples is not None:
         raise ShapeError(
-            f"{told(path)}: only polygons are sampled along their boundary; leave the samples out"
+            f"{one_line(path)}: only polygons are sampled along their boundary; leave the samples out"
         )
-    if suffix not in READABLE_SUFFIXES and path.is_file():
-        every = (*READABLE_SUFFIXES, *POLYGON_SUFFIXES)
-        raise ShapeError(f"{told(path)}: {wrong_suffix(path, 'cannot be read', every)}")
+    if path.is_file() and (problem := why_unreadable(path)):
+        raise ShapeError(f"{one_line(path)}: {problem}")
     return read_mesh(path, component)
 
 
@@ -95,7 +92,7 @@ def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
     """
     polygon, path = as_polygon(polygon), Path(path)
     if path.suffix.lower() not in (".csv", ".json"):
-        raise PolygonError(f"{told(path)}: polygons are written as .csv or .json; choose one of these")
+        raise PolygonError(f"{one_line(path)}: polygons are written as .csv or .json; choose one of these")
     loops = [polygon.vertices[loop].tolist() for loop in polygon.loops]
     if path.suffix.lower() == ".json":
         text = json.dumps({"outer": loops[0], "holes": loops[1:]}) + "\n"
@@ -107,26 +104,19 @@ def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
 
 def _loops(path: Path, element: str | None) -> list[Floats]:
     """What the file holds, unchecked."""
-    suffix = path.suffix.lower()
     try:
-        data = bytes_of(path, "polygon", "hold no polygon", POLYGON_SUFFIXES)
+        data = bytes_of(path, 2)
     except UnreadableError as error:
         raise PolygonError(str(error)) from error
-    if element is not None and suffix != ".svg":
+    known = format_of(path)
+    assert known is not None
+    assert known.read is not None
+    if element is not None and known.suffix != ".svg":
         raise PolygonError("only SVG drawings have elements; leave the element out")
-    return _parsed(suffix, data, element)
-
-
-def _parsed(suffix: str, data: bytes, element: str | None) -> list[Floats]:
-    kind = {".geojson": "GeoJSON"}.get(suffix, suffix[1:].upper())
     try:
-        if suffix == ".svg":
-            from idviewer.core.io.svg import read_svg  # its library takes a while to load
-
-            return read_svg(data, element)
-        return read_csv(data) if suffix == ".csv" else read_json(data)
+        return known.read(data, element)
     except UnreadableError as error:
-        raise PolygonError(f"not a polygon as {kind}: {told(error)}; correct the file") from error
+        raise PolygonError(f"not a polygon as {known.title}: {one_line(error)}; correct the file") from error
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line
-        cause = told(f"{type(error).__name__}: {error}")[:100]
-        raise PolygonError(f"not a readable {kind} file ({cause}); export it again") from error
+        cause = one_line(f"{type(error).__name__}: {error}")[:100]
+        raise PolygonError(f"not a readable {known.title} file ({cause}); export it again") from error

@@ -47,10 +47,10 @@ class Sample:
     dimension: int = 3
 
 
-def samples() -> tuple[Sample, ...]:
+def all_samples() -> tuple[Sample, ...]:
     """All bundled shapes: meshes, each one's sizes in turn, the usual size first, and then polygons.
 
-    >>> samples()[0].description, samples()[-1].description
+    >>> all_samples()[0].description, all_samples()[-1].description
     ('an open right hand with its wrist, 7,000 vertices', 'an oblong with three holes, 320 vertices, 2D')
     """
     folder = _folder()
@@ -76,7 +76,7 @@ def sample_names(dimension: int | None = None) -> tuple[str, ...]:
     >>> sample_names()[:3], sample_names(2)[:3]
     (('hand', 'hand_2k', 'hand_27k'), ('blob', 'star', 'bay_1'))
     """
-    return tuple(sample.name for sample in samples() if dimension in (None, sample.dimension))
+    return tuple(sample.name for sample in all_samples() if dimension in (None, sample.dimension))
 
 
 def sample_path(name: str = DEFAULT_SAMPLE) -> Path:
@@ -88,7 +88,7 @@ def sample_path(name: str = DEFAULT_SAMPLE) -> Path:
     >>> sample_path("human_2k").name
     'human_2k.ply'
     """
-    for sample in samples():
+    for sample in all_samples():
         if sample.name == name:
             return sample.path
     raise ValueError(f"no bundled shape is called {name!r}; there are {', '.join(sample_names())}")

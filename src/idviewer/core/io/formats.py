@@ -1,0 +1,138 @@
+"""The table of file formats: which suffix holds which kind of shape, and who reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from idviewer.core.arrays import Floats
+from idviewer.core.io.gltf import read_glb, read_gltf
+from idviewer.core.io.obj import read_obj
+from idviewer.core.io.off import read_off
+from idviewer.core.io.outlines import read_csv, read_json, read_wkt
+from idviewer.core.io.ply import read_ply
+from idviewer.core.io.stl import read_stl
+from idviewer.core.io.vtp import read_vtp
+from idviewer.core.validation.polygon_soup import PolygonSoup
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """What files of one suffix hold.
+
+    Attributes:
+        suffix: in lower case and with its dot.
+        title: what messages call the format.
+        dimension: of the shapes in it, 3 for meshes, 2 for polygons.
+        read: bytes and path to a PolygonSoup, or bytes and an element's id to a polygon's loops; None if that
+            is left to another package.
+        hint: how to get the reader, for messages, where there is none.
+    """
+
+    suffix: str
+    title: str
+    dimension: int
+    read: Callable[..., Any] | None
+    hint: str = ""
+
+
+def _svg_loops(data: bytes, element: str | None) -> list[Floats]:
+    from idviewer.core.io.svg import read_svg  # its library takes a while to load
+
+    return read_svg(data, element)
+
+
+_FORMATS = {
+    one.suffix: one
+    for one in (
+        FileFormat(".off", "OFF", 3, lambda data, path: read_off(data)),
+        FileFormat(".obj", "OBJ", 3, lambda data, path: read_obj(data)),
+        FileFormat(".ply", "PLY", 3, lambda data, path: read_ply(data)),
+        FileFormat(".stl", "STL", 3, lambda data, path: read_stl(data)),
+        FileFormat(".glb", "GLB", 3, lambda data, path: read_glb(data)),
+        FileFormat(".gltf", "glTF", 3, lambda data, path: read_gltf(data, path.parent)),
+        FileFormat(".vtp", "VTP", 3, lambda data, path: read_vtp(data)),
+        FileFormat(".csv", "CSV", 2, lambda data, element: read_csv(data)),
+        FileFormat(".svg", "SVG", 2, _svg_loops),
+        FileFormat(".json", "JSON", 2, lambda data, element: read_json(data)),
+        FileFormat(".geojson", "GeoJSON", 2, lambda data, element: read_json(data)),
+        FileFormat(".wkt", "WKT", 2, lambda data, element: read_wkt(data)),
+    )
+}
+
+
+def add_reader(
+    suffixes: tuple[str, ...], read: Callable[[bytes, Path], PolygonSoup] | None, hint: str = ""
+) -> None:
+    """Have `read_mesh` read files of further suffixes, or of known ones by another reader.
+
+    Args:
+        suffixes: with their dots, such as (".vtp",).
+        read: makes polygons of a file's bytes and its path. Of a damaged file it raises UnreadableError, in
+            words for the file's owner, or any other exception. None if the suffix is known only.
+        hint: how to get the reader, for messages, where `read` is None.
+
+    Raises:
+        ValueError: a suffix does not begin with a dot.
+
+    >>> add_reader((".abc",), None, "it comes with the package abc")
+    >>> format_of(Path("thing.abc")).hint
+    'it comes with the package abc'
+    """
+    for suffix in map(str.lower, suffixes):
+        if not suffix.startswith(".") or len(suffix) < 2:
+            raise ValueError(f"a suffix begins with a dot, unlike {suffix!r}")
+        _FORMATS[suffix] = FileFormat(suffix, suffix[1:].upper(), 3, read, hint)
+
+
+def readable_suffixes(dimension: int | None = None) -> tuple[str, ...]:
+    """Suffixes of the files that can be read, in lower case and with their dot.
+
+    Args:
+        dimension: 3 for those of meshes alone, 2 for those of polygons.
+
+    >>> readable_suffixes(2)
+    ('.csv', '.svg', '.json', '.geojson', '.wkt')
+    """
+    known = _FORMATS.values()
+    return tuple(one.suffix for one in known if one.read and dimension in (None, one.dimension))
+
+
+def format_of(path: Path) -> FileFormat | None:
+    """The format of a file, told by its suffix; None if it is not known.
+
+    >>> format_of(Path("thing.GLTF")).title
+    'glTF'
+    """
+    return _FORMATS.get(path.suffix.lower())
+
+
+def why_unreadable(path: Path, dimension: int | None = None) -> str:
+    """What is wrong with a file's suffix, and what to do; empty if there is a reader.
+
+    Args:
+        path: of the file.
+        dimension: of the shape that is looked for, 2 or 3; either by default.
+
+    >>> why_unreadable(Path("a.doc"), 2)
+    "'.doc' files hold no polygon; save it as one of .csv, .svg, .json, .geojson, .wkt"
+    """
+    suffixes = readable_suffixes(dimension)
+    suffix = path.suffix.lower()
+    if suffix in suffixes:
+        return ""
+    known = format_of(path)
+    if not suffix:
+        problem = "a suffix must tell the file's format"
+    elif known is not None and known.read is None and dimension in (None, known.dimension):
+        problem = f"the reader of '{suffix}' files is missing ({known.hint})"
+    else:
+        problem = f"'{one_line(suffix)}' files {'hold no polygon' if dimension == 2 else 'cannot be read'}"
+    return f"{problem}; save it as one of {', '.join(suffixes)}"
+
+
+def one_line(thing: object) -> str:
+    """A path or a cause on one line, whatever it is made of."""
+    return "".join(letter if letter.isprintable() else "?" for letter in str(thing))
