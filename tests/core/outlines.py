@@ -32,10 +32,10 @@ def with_holes() -> Polygon:
 
 
 def shortest_paths(polygon: Polygon) -> np.ndarray:
-    """(n, n) lengths of the shortest paths along loops and wires, with every vertex tried on the way."""
+    """(n, n) lengths of the shortest paths along loops and bridges, with every vertex tried on the way."""
     result = np.full((len(polygon.vertices),) * 2, np.inf)
     np.fill_diagonal(result, 0.0)
-    for ends, lengths in ((polygon.edges, polygon.lengths), (polygon.wires, polygon.wire_lengths)):
+    for ends, lengths in ((polygon.edges, polygon.lengths), (polygon.bridges, polygon.bridge_lengths)):
         result[ends[:, 0], ends[:, 1]] = result[ends[:, 1], ends[:, 0]] = lengths
     for way in range(len(result)):
         np.minimum(result, result[:, [way]] + result[way], out=result)

@@ -10,7 +10,7 @@ from tests.core import shapes
 
 from idviewer.core.shapes.diagnosis import diagnose
 from idviewer.core.shapes.mesh import Mesh
-from idviewer.core.validation.findings import KINDS, spot
+from idviewer.core.validation.findings import KINDS, point_text
 
 
 def kinds(diagnosis):
@@ -162,4 +162,4 @@ def test_a_thin_plate_has_a_volume_and_a_sheet_has_none():
     ],
 )
 def test_places_have_the_digits_that_the_mesh_needs(point, size, text):
-    assert spot(np.array(point), size) == text
+    assert point_text(np.array(point), size) == text

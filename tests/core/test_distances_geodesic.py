@@ -48,15 +48,15 @@ def test_size_and_place_do_not_matter(method):
         np.testing.assert_allclose(found, size * plain, atol=1e-6 * size)
 
 
-def test_along_a_polygon_they_are_arc_lengths_and_take_wires():
+def test_along_a_polygon_they_are_arc_lengths_and_take_bridges():
     corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]])
     np.testing.assert_allclose(Geodesics(Polygon(corners)).from_vertex(0), [0, 3, 4, 1], rtol=1e-12)
     hole = [[0.25, 0.0], [0.75, 0.25], [0.75, -0.25]]
-    wired = Polygon.of_loops([corners, np.add(hole, [0.5, 0.5])])
-    np.testing.assert_array_equal(wired.wires, [[0, 4]])
-    wire, side = np.hypot(0.75, 0.5), np.hypot(0.5, 0.25)
-    expected = [0, 3, 4, 1, wire, wire + side, wire + side]
-    np.testing.assert_allclose(Geodesics(wired).from_vertex(0), expected, rtol=1e-12)
+    bridged = Polygon.of_loops([corners, np.add(hole, [0.5, 0.5])])
+    np.testing.assert_array_equal(bridged.bridges, [[0, 4]])
+    bridge, side = np.hypot(0.75, 0.5), np.hypot(0.5, 0.25)
+    expected = [0, 3, 4, 1, bridge, bridge + side, bridge + side]
+    np.testing.assert_allclose(Geodesics(bridged).from_vertex(0), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("polygon", [flower(90), with_holes()], ids=["one loop", "holes"])

@@ -134,7 +134,7 @@ def test_a_polygon_can_not_be_changed_and_takes_copies():
         polygon.edges,
         polygon.lengths,
         polygon.bounds,
-        polygon.wires,
+        polygon.bridges,
     )
     for array in everything:
         with pytest.raises(ValueError, match="read-only"):

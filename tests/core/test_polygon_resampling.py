@@ -1,4 +1,4 @@
-"""An outline sampled again, and the wires that join loops."""
+"""An outline sampled again, and the bridges that join loops."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ def test_too_coarse_a_sampling_says_so():
         Polygon.of_loops([outer, np.roll(inner, 14, axis=0)]).resampled(26)
 
 
-def test_one_loop_has_no_wires():
-    assert regular(9).wires.shape == (0, 2)
+def test_one_loop_has_no_bridges():
+    assert regular(9).bridges.shape == (0, 2)
 
 
-def test_wires_are_the_minimum_spanning_tree(rng):
+def test_bridges_are_the_minimum_spanning_tree(rng):
     from scipy.sparse.csgraph import minimum_spanning_tree
 
     centres = [(x, y) for x in range(4) for y in range(3)]
@@ -67,10 +67,10 @@ def test_wires_are_the_minimum_spanning_tree(rng):
         for j, other in enumerate(plate.loops[:i]):
             gaps = plate.vertices[one][:, None] - plate.vertices[other]
             apart[i, j] = np.linalg.norm(gaps, axis=2).min()
-    assert plate.wires.shape == (12, 2)
-    assert plate.wire_lengths.sum() == pytest.approx(minimum_spanning_tree(apart).sum(), rel=1e-12)
+    assert plate.bridges.shape == (12, 2)
+    assert plate.bridge_lengths.sum() == pytest.approx(minimum_spanning_tree(apart).sum(), rel=1e-12)
     reached = set(plate.loops[0].tolist())
-    for near, far in plate.wires.tolist():
+    for near, far in plate.bridges.tolist():
         assert near in reached
         assert far not in reached
         reached |= set(next(loop for loop in plate.loops if far in loop).tolist())

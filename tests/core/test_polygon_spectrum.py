@@ -31,7 +31,7 @@ def dense(polygon: Polygon) -> np.ndarray:
             matrix[at, before] -= 1 / minus
             matrix[at, at] += 1 / minus + 1 / plus
             matrix[at, after] -= 1 / plus
-    for i, j in polygon.wires:
+    for i, j in polygon.bridges:
         conductance = 1 / math.dist(polygon.vertices[i], polygon.vertices[j])
         matrix[[i, j], [i, j]] += conductance
         matrix[[i, j], [j, i]] -= conductance

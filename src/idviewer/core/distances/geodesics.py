@@ -77,12 +77,12 @@ def exactly(vertices: Floats, shape: Any) -> Callable[[int], Floats]:
 
 
 def along_edges(vertices: Floats, shape: Any) -> Callable[[int], Floats]:
-    """Along a polygon's edges, and the wires that join its loops."""
+    """Along a polygon's edges, and the bridges that join its loops."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
-    wires = np.asarray(getattr(shape, "wires", np.empty((0, 2))), dtype=np.int64).reshape(-1, 2)
-    ends = np.concatenate([shape.edges, wires])
+    bridges = np.asarray(getattr(shape, "bridges", np.empty((0, 2))), dtype=np.int64).reshape(-1, 2)
+    ends = np.concatenate([shape.edges, bridges])
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
     graph = csr_array((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices), len(vertices)))
     return lambda vertex: dijkstra(graph, directed=False, indices=vertex)

@@ -101,7 +101,7 @@ def readable_suffixes(dimension: int | None = None) -> tuple[str, ...]:
 
 
 def format_of(path: Path) -> FileFormat | None:
-    """The format of a file, told by its suffix; None if it is not known.
+    """Look up the format of a file by its suffix; None if it is not known.
 
     >>> format_of(Path("thing.GLTF")).title
     'glTF'

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.validation.polygon_soup import PolygonSoup, strips
-from idviewer.core.validation.repairs import compacted
+from idviewer.core.validation.repairs import without_unused_vertices
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -132,7 +132,7 @@ class _Document:
         points = points @ matrix[:3, :3].T + matrix[:3, 3]
         if triangles.size and triangles.min() >= 0 and triangles.max() < len(points):
             # Primitives share one set of points; those of the others are none of this one's.
-            points, triangles = compacted(points, triangles)
+            points, triangles = without_unused_vertices(points, triangles)
         return [PolygonSoup(points, triangles.ravel(), np.full(len(triangles), 3))]
 
     def accessor(self, index: int) -> NDArray:

@@ -10,15 +10,15 @@ from idviewer.core.io.formats import format_of, one_line
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnosis_of
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.shapes.repair import mended
+from idviewer.core.shapes.repair import repaired_mesh
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 
 
 def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mesh:
-    """The mesh in a file: OFF, OBJ, PLY, STL, GLB, glTF or VTP, told by its suffix.
+    """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB, glTF or VTP, by its suffix.
 
-    What can be mended is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
+    What can be repaired is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
     notes. All objects of the file are read as one mesh; materials and textures are not looked at.
 
     Args:
@@ -30,11 +30,11 @@ def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mes
             surface. The message is one line that names the file.
     """
     path = Path(path)
-    return mended(_polygons(path), path.stem, one_line(path), component)
+    return repaired_mesh(_polygons(path), path.stem, one_line(path), component)
 
 
 def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
-    """Sizes of the mesh in a file and everything that is wrong with it, however unusable it is as a Mesh.
+    """Find the sizes of the mesh in a file and everything that is wrong with it, however unusable.
 
     Raises:
         MeshError: there is no such file, or it cannot be read, or it is damaged.
@@ -43,7 +43,7 @@ def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
 
 
 def _polygons(path: Path) -> PolygonSoup:
-    """What the file holds, unchecked."""
+    """Read the polygons in a file, unchecked."""
     try:
         data = bytes_of(path, 3)
     except UnreadableError as error:

@@ -51,7 +51,7 @@ def read_json(data: bytes) -> list[Floats]:
 def read_wkt(data: bytes) -> list[Floats]:
     """Loops of a file with well-known text: a POLYGON, or a MULTIPOLYGON of one part, without heights."""
     try:
-        with np.errstate(over="ignore"):  # infinite coordinates are told of later
+        with np.errstate(over="ignore"):  # infinite coordinates are refused later
             geometry = shapely.from_wkt(_text(data))
     except shapely.errors.ShapelyError as error:
         raise UnreadableError(str(error).rpartition("Exception: ")[2]) from None

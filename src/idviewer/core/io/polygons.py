@@ -22,7 +22,7 @@ from idviewer.core.shapes.shape import PolygonLike, as_polygon
 def read_polygon(
     path: str | os.PathLike[str], samples: int | None = None, element: str | None = None
 ) -> Polygon:
-    """The polygon in a file: CSV, SVG, JSON, GeoJSON or WKT, told by its suffix.
+    """Read the polygon in a file: CSV, SVG, JSON, GeoJSON or WKT, by its suffix.
 
     CSV holds x,y in each line, a header perhaps, and a blank line or nan,nan between loops. JSON holds a list
     of [x, y], or {"outer": [...], "holes": [[...], ...]}, or a GeoJSON Polygon, also as a feature. WKT holds
@@ -52,7 +52,7 @@ def read_polygon(
 def read_shape(
     path: str | os.PathLike[str], component: int | None = None, samples: int | None = None
 ) -> Mesh | Polygon:
-    """The mesh or the polygon in a file, told by its suffix; see `read_mesh` and `read_polygon`.
+    """Read the mesh or the polygon in a file, by its suffix; see `read_mesh` and `read_polygon`.
 
     Args:
         path: of the file.
@@ -82,7 +82,7 @@ def read_shape(
 
 
 def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
-    """Write a polygon as CSV or JSON, told by the suffix, with every digit.
+    """Write a polygon as CSV or JSON, by the suffix, with every digit.
 
     It is written beside the file and then renamed, so that the file is there as a whole or not at all.
 
@@ -103,7 +103,7 @@ def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
 
 
 def _loops(path: Path, element: str | None) -> list[Floats]:
-    """What the file holds, unchecked."""
+    """Read the loops in a file, unchecked."""
     try:
         data = bytes_of(path, 2)
     except UnreadableError as error:

@@ -75,13 +75,13 @@ def _outline(shape: svgelements.Shape) -> svgelements.Path:
     """The shape as a path. Its data are read anew, as a drawing's parser passes over what it cannot read."""
     name = f"the {'path' if isinstance(shape, svgelements.Path) else type(shape).__name__.lower()}"
     name += f" {shape.id!a}" if shape.id else ""
-    given = shape.values.get("d") if isinstance(shape, svgelements.Path) else None
+    path_data = shape.values.get("d") if isinstance(shape, svgelements.Path) else None
     try:
-        if given is not None:
-            svgelements.Path(given)
+        if path_data is not None:
+            svgelements.Path(path_data)
         path = abs(svgelements.Path(shape))
     except (ValueError, IndexError, TypeError, AttributeError):
-        raise UnreadableError(f"{name} has data that cannot be read: {str(given)[:40]!a}") from None
+        raise UnreadableError(f"{name} has data that cannot be read: {str(path_data)[:40]!a}") from None
     if len(path) == 0:
         raise UnreadableError(f"{name} is empty")
     return path

@@ -1,6 +1,6 @@
 """What is wrong with a mesh, and its sizes.
 
-`diagnose` reports the very walk that `repair_mesh` acts on and that `Mesh` refuses to have needed, so all
+`diagnose` tells of the very checks that `repair_mesh` acts on and that `Mesh` must not need, so all
 three never disagree.
 """
 
@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.shape import MeshLike
 from idviewer.core.validation.findings import Finding, Point
-from idviewer.core.validation.mesh_checks import ValidationReport, validate
+from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repairs import volume_and_area
+from idviewer.core.validation.validation_report import ValidationReport
 
 __all__ = ["Diagnosis", "Finding", "diagnose"]
 
@@ -42,7 +43,7 @@ class Diagnosis:
         volume: that it encloses; None unless it is closed and two-sided.
         bounds: lowest and highest corner of the bounding box; None if it has none.
         input_vertices: how many were given, before any repair.
-        input_faces: how many polygons were given.
+        input_faces: how many polygons were source.
         findings: what is wrong, in the order in which it was found; empty for a faultless mesh.
     """
 
@@ -75,7 +76,7 @@ class Diagnosis:
 def diagnose(
     vertices: ArrayLike | MeshLike, faces: ArrayLike | Sequence[Sequence[int]] | None = None
 ) -> Diagnosis:
-    """Everything that is wrong with a mesh, and its sizes.
+    """Find everything that is wrong with a mesh, and its sizes.
 
     Args:
         vertices: (n, 3) points, or a Mesh, or (vertices, faces) in one tuple.
@@ -98,40 +99,44 @@ def diagnose(
     return diagnosis_of(validate(PolygonSoup.of(cast(ArrayLike, vertices), () if faces is None else faces)))
 
 
-def diagnosis_of(walk: ValidationReport) -> Diagnosis:
-    """The report of a finished examination."""
-    given = walk.given
-    finite = walk.vertices[np.isfinite(walk.vertices).all(axis=1)]
+def diagnosis_of(report: ValidationReport) -> Diagnosis:
+    """Summarise a finished validation."""
+    source = report.source
+    finite = report.vertices[np.isfinite(report.vertices).all(axis=1)]
     bounds = None if len(finite) == 0 else (_point(finite.min(axis=0)), _point(finite.max(axis=0)))
     blank = {"edges": 0, "components": (), "euler_characteristic": 0, "genus": None}
     blank |= {"boundary_loops": 0, "area": 0.0, "volume": None}
-    sizes = {"vertices": len(walk.vertices), "faces": len(walk.faces) or len(given.sizes), "bounds": bounds}
-    measured = _measured(walk) if len(walk.faces) else {}
+    sizes = {
+        "vertices": len(report.vertices),
+        "faces": len(report.faces) or len(source.sizes),
+        "bounds": bounds,
+    }
+    measured = _measured(report) if len(report.faces) else {}
     return Diagnosis(
         **{**blank, **sizes, **measured},
-        input_vertices=len(given.vertices),
-        input_faces=len(given.sizes),
-        findings=tuple(walk.findings),
+        input_vertices=len(source.vertices),
+        input_faces=len(source.sizes),
+        findings=tuple(report.findings),
     )
 
 
-def _measured(walk: ValidationReport) -> dict[str, Any]:
+def _measured(report: ValidationReport) -> dict[str, Any]:
     """The sizes that need a surface."""
-    topology = walk.topology
+    topology = report.topology
     number, of_face = topology.components
-    volume, area = volume_and_area(walk.vertices, walk.faces)
-    corners = len(topology.umbrellas()) if walk.sound else len(walk.vertices)
-    characteristic = corners - len(topology.ends) + len(walk.faces)
+    volume, area = volume_and_area(report.vertices, report.faces)
+    corners = len(topology.vertex_fans()) if report.oriented_manifold else len(report.vertices)
+    characteristic = corners - len(topology.ends) + len(report.faces)
     # Taken apart at its pinched vertices, a body may have more parts than components.
-    parts = number if corners == len(walk.vertices) else topology.parts()
+    parts = number if corners == len(report.vertices) else topology.edge_components()
     return {
         "edges": len(topology.ends),
         "components": tuple(np.bincount(of_face).tolist()),
         "euler_characteristic": characteristic,
-        "genus": (2 * parts - characteristic) // 2 if walk.sound else None,
+        "genus": (2 * parts - characteristic) // 2 if report.oriented_manifold else None,
         "boundary_loops": topology.boundary_loops() if len(topology.boundary) else 0,
         "area": area,
-        "volume": volume if walk.sound else None,
+        "volume": volume if report.oriented_manifold else None,
     }
 
 

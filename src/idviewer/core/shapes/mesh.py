@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
 from idviewer.core.validation.findings import CHOICES, Finding
-from idviewer.core.validation.mesh_checks import ValidationReport, validate
+from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
+from idviewer.core.validation.validation_report import ValidationReport
 
 AnyArray = TypeVar("AnyArray", bound=np.ndarray)
 
@@ -39,18 +40,18 @@ class MeshError(ShapeError):
         self.components = components
 
     @classmethod
-    def about(cls, walk: ValidationReport, name: str = "") -> MeshError:
-        """The error of an examination that found something fatal or, for a strict mesh, to repair."""
-        fatal = [finding for finding in walk.findings if finding.fatal]
+    def from_report(cls, report: ValidationReport, name: str = "") -> MeshError:
+        """Tell what is fatal in a report, or else what a strict mesh refuses to have repaired."""
+        fatal = [finding for finding in report.findings if finding.fatal]
         if fatal:
             parts = [finding.message for finding in fatal] + [fatal[0].remedy]
             choosing = any(finding.kind in CHOICES for finding in fatal)
-            several = walk.component_sizes if choosing else ()
+            several = report.component_sizes if choosing else ()
         else:
-            parts = [finding.message for finding in walk.findings if not finding.kept]
+            parts = [finding.message for finding in report.findings if not finding.kept]
             parts, several = [*parts, "idviewer.core.repair_mesh mends this"], ()
         message = "; ".join(part for part in parts if part)
-        return cls(f"{name}: {message}" if name else message, tuple(walk.findings), several)
+        return cls(f"{name}: {message}" if name else message, tuple(report.findings), several)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -96,25 +97,25 @@ class Mesh:
             raise MeshError(
                 "faces must have the shape (m, 3); idviewer.core.repair_mesh cuts polygons into triangles"
             )
-        walk = validate(polygons)
-        if walk.changed:
-            raise MeshError.about(walk, name)
-        self._fill(walk, tuple(notes))
+        report = validate(polygons)
+        if report.repaired:
+            raise MeshError.from_report(report, name)
+        self._fill(report, tuple(notes))
 
     @classmethod
-    def of_examination(cls, walk: ValidationReport, name: str, notes: tuple[str, ...]) -> Mesh:
-        """The mesh that an examination without fatal findings leaves; it is not examined again."""
+    def from_report(cls, report: ValidationReport, name: str, notes: tuple[str, ...]) -> Mesh:
+        """Take the mesh of a report without fatal findings; it is not validated again."""
         mesh = object.__new__(cls)
         object.__setattr__(mesh, "name", name)
-        mesh._fill(walk, notes)
+        mesh._fill(report, notes)
         return mesh
 
-    def _fill(self, walk: ValidationReport, notes: tuple[str, ...]) -> None:
-        object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(walk.vertices)))
-        object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(walk.faces)))
+    def _fill(self, report: ValidationReport, notes: tuple[str, ...]) -> None:
+        object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(report.vertices)))
+        object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(report.faces)))
         object.__setattr__(self, "notes", tuple(notes))
-        if walk.triangle_quality is not None:
-            self.__dict__["unevenness"] = walk.triangle_quality  # of these arrays; it takes a while
+        if report.triangle_quality is not None:
+            self.__dict__["triangle_quality"] = report.triangle_quality  # of these arrays; it takes a while
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, Ints, as_points
-from idviewer.core.shapes.polygon_bridges import resistances_between, wires_between
+from idviewer.core.shapes.polygon_bridges import bridges_between, resistances_between
 from idviewer.core.shapes.polygon_resampling import resampled_loops
 from idviewer.core.validation import polygon_checks as checks
 from idviewer.core.validation.polygon_checks import PolygonError
@@ -30,9 +30,9 @@ class Polygon:
     """A polygon whose outline neither crosses nor touches itself, with holes or without.
 
     The constructor takes copies and checks everything. Polygons compare by identity, and any thread may
-    read them. The loops of a polygon with holes are joined by wires: a minimum spanning tree over the
-    nearest pairs of vertices, along which heat flows and boundary distances are measured. A wire has a
-    length but no mass. The paper knows one loop, and then there are no wires.
+    read them. The loops of a polygon with holes are joined by bridges: a minimum spanning tree over the
+    nearest pairs of vertices, along which heat flows and boundary distances are measured. A bridge has a
+    length but no mass. The paper knows one loop, and then there are no bridges.
 
     Attributes:
         vertices: (n, 2) float64 points, read-only.
@@ -222,24 +222,24 @@ class Polygon:
         return float(self.lengths.sum())
 
     @cached_property
-    def wires(self) -> Ints:
-        """(h, 2) vertices joined by each wire; one wire fewer than loops."""
-        return _frozen(wires_between(self.vertices, self.loops))
+    def bridges(self) -> Ints:
+        """(h, 2) vertices joined by each bridge; one bridge fewer than loops."""
+        return _frozen(bridges_between(self.vertices, self.loops))
 
     @cached_property
-    def wire_lengths(self) -> Floats:
-        """(h,) length of each wire."""
-        sides = self.vertices[self.wires[:, 1]] - self.vertices[self.wires[:, 0]]
+    def bridge_lengths(self) -> Floats:
+        """(h,) length of each bridge."""
+        sides = self.vertices[self.bridges[:, 1]] - self.vertices[self.bridges[:, 0]]
         return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
 
     def resistances(self) -> Floats:
-        """(n, n) effective resistances between vertices; edges and wires resist as much as they are long.
+        """(n, n) effective resistances between vertices; edges and bridges resist as much as they are long.
 
         The resistance between i and j is (e_i - e_j)^T L^+ (e_i - e_j) with the polygon's Laplacian L: the
         commute time distance squared, in closed form.
         """
-        wires = np.column_stack([self.wires, self.wire_lengths])
-        return resistances_between(self.loops, self.lengths, wires)
+        bridges = np.column_stack([self.bridges, self.bridge_lengths])
+        return resistances_between(self.loops, self.lengths, bridges)
 
 
 def _frozen(array: NDArray) -> NDArray:

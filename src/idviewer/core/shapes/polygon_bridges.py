@@ -1,4 +1,4 @@
-"""The wires that join a polygon's loops, and resistances along both."""
+"""The bridges that join a polygon's loops, and resistances along both."""
 
 from __future__ import annotations
 
@@ -8,37 +8,37 @@ from scipy.spatial import cKDTree
 from idviewer.core.arrays import Floats, Ints
 
 
-def wires_between(vertices: Floats, loops: tuple[Ints, ...]) -> Ints:
-    """The shortest wires that join all loops: a minimum spanning tree over the nearest vertex pairs (Prim).
+def bridges_between(vertices: Floats, loops: tuple[Ints, ...]) -> Ints:
+    """The shortest bridges that join all loops: a minimum spanning tree over the nearest vertex pairs (Prim).
 
     Returns:
-        (h, 2) vertices of each wire, one wire fewer than loops; the first one belongs to a loop that the
-        wires before reach from the outer loop.
+        (h, 2) vertices of each bridge, one bridge fewer than loops; the first one belongs to a loop that the
+        bridges before reach from the outer loop.
     """
     outside = dict(enumerate(loops[1:], 1))
-    # Of each loop outside: length, near and far end of the shortest wire to the loops reached so far.
+    # Of each loop outside: length, near and far end of the shortest bridge to the loops reached so far.
     nearest = dict.fromkeys(outside, (np.inf, -1, -1))
-    reached, wires = loops[0], []
+    reached, bridges = loops[0], []
     while outside:
         tree = cKDTree(vertices[reached])
         for number, loop in outside.items():
             lengths, places = tree.query(vertices[loop])
             best = int(np.argmin(lengths))
-            wire = (float(lengths[best]), int(reached[places[best]]), int(loop[best]))
-            nearest[number] = min(nearest[number], wire)
+            bridge = (float(lengths[best]), int(reached[places[best]]), int(loop[best]))
+            nearest[number] = min(nearest[number], bridge)
         chosen = min(outside, key=lambda number: nearest[number])
-        wires.append(nearest[chosen][1:])
+        bridges.append(nearest[chosen][1:])
         reached = outside.pop(chosen)
-    return np.array(wires, dtype=np.int64).reshape(-1, 2)
+    return np.array(bridges, dtype=np.int64).reshape(-1, 2)
 
 
-def resistances_between(loops: tuple[Ints, ...], lengths: Floats, wires: Floats) -> Floats:
-    """Effective resistances between all vertices. They add up along wires, each of which is a bridge.
+def resistances_between(loops: tuple[Ints, ...], lengths: Floats, bridges: Floats) -> Floats:
+    """Effective resistances between all vertices. They add up along bridges.
 
     Args:
         loops: vertex numbers.
         lengths: (n,) of the edges, each from its vertex on.
-        wires: (h, 3) ends and length; see `wires_between` for their order.
+        bridges: (h, 3) ends and length; see `bridges_between` for their order.
 
     Returns:
         (n, n) symmetric.
@@ -52,7 +52,7 @@ def resistances_between(loops: tuple[Ints, ...], lengths: Floats, wires: Floats)
     number = np.empty(len(lengths), dtype=np.int64)
     for at, loop in enumerate(loops):
         number[loop] = at
-    for near, far, length in wires.tolist():
+    for near, far, length in bridges.tolist():
         beyond = loops[number[int(far)]]
         between = result[reached, int(near), None] + length + result[int(far), beyond]
         result[np.ix_(reached, beyond)] = between

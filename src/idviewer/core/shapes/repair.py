@@ -1,4 +1,4 @@
-"""A mesh from imperfect input: what can be mended is mended and noted, what cannot is an error."""
+"""A mesh from imperfect input: what can be repaired is repaired and noted, what cannot is an error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def repair_mesh(
     name: str = "",
     component: int | None = None,
 ) -> Mesh:
-    """A Mesh from vertices and faces that may need repairs.
+    """Make a Mesh of vertices and faces that may need repairs.
 
     Duplicated vertices are merged (also boundary vertices within a millionth of the bounding box's diagonal,
     if that closes the surface), isolated ones dropped, polygons cut into triangles, duplicate and collapsed
@@ -31,7 +31,7 @@ def repair_mesh(
         component: which of several components to take, 1 for the largest.
 
     Raises:
-        MeshError: what is wrong cannot be mended.
+        MeshError: what is wrong cannot be repaired.
 
     >>> soup = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [9, 9, 9]]
     >>> repair_mesh(soup, [[1, 2, 0], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).notes
@@ -41,16 +41,16 @@ def repair_mesh(
         polygons = PolygonSoup.of(vertices, faces)
     except (TypeError, ValueError) as error:
         raise MeshError(f"{name}: {error}" if name else str(error)) from error
-    return mended(polygons, name, name, component)
+    return repaired_mesh(polygons, name, name, component)
 
 
-def mended(polygons: PolygonSoup, name: str, source: str, component: int | None) -> Mesh:
-    """The same from polygons; `source` is what an error names."""
-    walk = validate(polygons, component)
-    if walk.fatal:
-        raise MeshError.about(walk, source)
-    notes = tuple(finding.note for finding in walk.findings)
-    if any(finding.kind == "flat_faces" for finding in walk.findings):
+def repaired_mesh(polygons: PolygonSoup, name: str, source: str, component: int | None) -> Mesh:
+    """Make a Mesh of polygons that may need repairs; `source` is what an error names."""
+    report = validate(polygons, component)
+    if report.fatal:
+        raise MeshError.from_report(report, source)
+    notes = tuple(finding.note for finding in report.findings)
+    if any(finding.kind == "flat_faces" for finding in report.findings):
         # All other checks follow the repairs that could spoil them; flips come late, so all is checked again.
-        return Mesh(walk.vertices, walk.faces, name, notes)
-    return Mesh.of_examination(walk, name, notes)
+        return Mesh(report.vertices, report.faces, name, notes)
+    return Mesh.from_report(report, name, notes)

@@ -27,7 +27,7 @@ def laplacian_of(shape: ShapeLike) -> sparse.csc_array:
     """
     shape = as_shape(shape)
     if isinstance(shape, Mesh):
-        return cotangent_laplacian(shape) if shape.triangle_quality.bearable else intrinsic_pair(shape)[0]
+        return cotangent_laplacian(shape) if shape.triangle_quality.acceptable else intrinsic_pair(shape)[0]
     return polygon_laplacian(_polygon(shape))
 
 
@@ -43,7 +43,7 @@ def masses_of(shape: ShapeLike) -> Floats:
     """
     shape = as_shape(shape)
     if isinstance(shape, Mesh):
-        return voronoi_areas(shape) if shape.triangle_quality.bearable else intrinsic_pair(shape)[1]
+        return voronoi_areas(shape) if shape.triangle_quality.acceptable else intrinsic_pair(shape)[1]
     return voronoi_lengths(_polygon(shape))
 
 
@@ -134,8 +134,8 @@ def voronoi_areas(mesh: MeshLike) -> Floats:
 def polygon_laplacian(polygon: PolygonLike) -> sparse.csc_array:
     """The Laplacian L of a polygon's boundary, positive semi-definite, with L 1 = 0.
 
-    Each edge and each wire between loops (see `Polygon`) conducts one over its length: the stencil is
-    [-1/d-, 1/d- + 1/d+, -1/d+]. Source: Rustamov et al. 2009, appendix; wires are ours.
+    Each edge and each bridge between loops (see `Polygon`) conducts one over its length: the stencil is
+    [-1/d-, 1/d- + 1/d+, -1/d+]. Source: Rustamov et al. 2009, appendix; bridges are ours.
 
     Args:
         polygon: n vertices.
@@ -150,8 +150,8 @@ def polygon_laplacian(polygon: PolygonLike) -> sparse.csc_array:
     """
     polygon = as_polygon(polygon)
     n = len(polygon.vertices)
-    i, j = np.concatenate([polygon.edges, polygon.wires]).T
-    conductances = 1.0 / np.concatenate([polygon.lengths, polygon.wire_lengths])
+    i, j = np.concatenate([polygon.edges, polygon.bridges]).T
+    conductances = 1.0 / np.concatenate([polygon.lengths, polygon.bridge_lengths])
     rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
     weights = sparse.csc_array((np.tile(conductances, 2), (rows, columns)), shape=(n, n))
     return sparse.csc_array(sparse.diags_array(weights.sum(axis=0)) - weights)

@@ -1,4 +1,4 @@
-"""One thing that is wrong with a mesh, in words."""
+"""One thing that is wrong with a mesh, in terms."""
 
 from __future__ import annotations
 
@@ -142,8 +142,8 @@ class Finding:
 
 def counted(kind: str, count: int, detail: str = "", place: tuple[Floats, float] | None = None) -> Finding:
     """A finding of things that can be counted; `place` is one of their points and the size of the mesh."""
-    words = KINDS[kind]
-    subject = f"{count:,} {words.one if count == 1 else words.many}"
+    terms = KINDS[kind]
+    subject = f"{count:,} {terms.one if count == 1 else terms.many}"
     return stated(kind, subject, detail, count, place)
 
 
@@ -151,13 +151,13 @@ def stated(
     kind: str, subject: str, detail: str = "", count: int = 1, place: tuple[Floats, float] | None = None
 ) -> Finding:
     """A finding in words of its own."""
-    words = KINDS[kind]
+    terms = KINDS[kind]
     message = subject.rstrip(",") + detail
     where = None
     if place is not None:
-        message += f", near {spot(*place)}"
+        message += f", near {point_text(*place)}"
         where = tuple(place[0].tolist())
-    return Finding(kind, count, message, where, words.repair or None, words.remedy, subject)
+    return Finding(kind, count, message, where, terms.repair or None, terms.remedy, subject)
 
 
 def several(sizes: tuple[int, ...]) -> Finding:
@@ -168,17 +168,17 @@ def several(sizes: tuple[int, ...]) -> Finding:
     return Finding(**{**vars(finding), "remedy": remedy})
 
 
-def spot(point: Floats, size: float) -> str:
+def point_text(point: Floats, size: float) -> str:
     """A point in words, with as many digits as a mesh of the given size needs.
 
-    >>> spot(np.array([1e6 + 0.25, 0.0, 1 / 3]), 1.0)
+    >>> point_text(np.array([1e6 + 0.25, 0.0, 1 / 3]), 1.0)
     '(1000000.25, 0, 0.3333)'
     """
     largest = float(np.abs(point).max())
     if largest == 0.0:
         return "(0, 0, 0)"
     digits = min(17, 4 + int(np.ceil(np.log10(largest / size)))) if 0 < size < largest else 4
-    # Beside a large coordinate, a small one needs no more decimals: 1e-17 is told as 0.
+    # Beside a large coordinate, a small one needs no more decimals: 1e-17 is shown as 0.
     step = 10.0 ** (int(np.floor(np.log10(largest))) + 1 - digits)
     rounded = [round(x / step) * step for x in point.tolist()]
     return "(" + ", ".join(f"{x:.{digits}g}" for x in rounded) + ")"

@@ -11,9 +11,7 @@ from numpy.typing import ArrayLike
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.errors import ShapeError
 from idviewer.core.validation.polygon_crossings import crossing, folded_vertex, is_simple
-
-REPEATED = 1e-12
-"""Neighbours nearer than this share of the bounding box's diagonal are one vertex."""
+from idviewer.core.validation.tolerances import TOLERANCES
 
 
 class PolygonError(ShapeError):
@@ -98,7 +96,7 @@ def refuse_empty(vertices: Floats, loops: tuple[Ints, ...], areas: Floats) -> No
     """Raise PolygonError if a loop encloses no area."""
     span = float(np.ptp(vertices, axis=0).max())
     for loop, area in zip(loops, areas.tolist(), strict=True):
-        if abs(area) <= 1e-15 * span**2 * len(loop):
+        if abs(area) <= TOLERANCES.area_of_loop * span**2 * len(loop):
             raise PolygonError(
                 f"the loop from {described(vertices, int(loop[0]))} on encloses no area; "
                 "move its vertices apart"
@@ -122,7 +120,7 @@ def successors_of(loops: tuple[Ints, ...]) -> Ints:
 def refuse_repeated(vertices: Floats, successors: Ints) -> None:
     """Raise PolygonError if two vertices are one: neighbours nearer than rounding, or any in one place."""
     sides = vertices[successors] - vertices
-    smallest = REPEATED * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    smallest = TOLERANCES.side_of_outline * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     short = np.flatnonzero(np.hypot(sides[:, 0], sides[:, 1]) <= smallest)
     if len(short):
         i = int(short[0])

@@ -6,16 +6,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from idviewer.core.arrays import Bools, Floats, Ints
-from idviewer.core.validation.topology import Topology, first_of_each, linked
-
-SLIVER = 1e-12
-"""A face whose height is below this share of its longest side has no area, a side that short no length."""
-
-CLOSE = 1e-6
-"""Boundary vertices within this share of the bounding box's diagonal are taken for the same vertex."""
+from idviewer.core.validation.tolerances import TOLERANCES
+from idviewer.core.validation.topology import component_labels, first_of_each
 
 
-def same_points(vertices: Floats) -> Ints:
+def first_coincident(vertices: Floats) -> Ints:
     """(n,) for each vertex the first one with exactly the same coordinates."""
     order = np.lexsort(vertices.T)
     ranked = vertices[order]
@@ -28,22 +23,22 @@ def same_points(vertices: Floats) -> Ints:
     return result
 
 
-def close_points(vertices: Floats, chosen: Ints, distance: float) -> Ints:
+def first_within(vertices: Floats, chosen: Ints, distance: float) -> Ints:
     """(n,) for each vertex the first of the chosen ones joined to it by steps of at most `distance`."""
     pairs = cKDTree(vertices[chosen]).query_pairs(distance, output_type="ndarray")
-    number, labels = linked(len(chosen), pairs[:, 0], pairs[:, 1])
+    number, labels = component_labels(len(chosen), pairs[:, 0], pairs[:, 1])
     result = np.arange(len(vertices))
     result[chosen] = chosen[first_of_each(labels, number)][labels]
     return result
 
 
-def repeating(faces: Ints) -> Bools:
+def repeating_a_vertex(faces: Ints) -> Bools:
     """(m,) which faces have the same vertex twice."""
     a, b, c = faces.T
     return (a == b) | (b == c) | (c == a)
 
 
-def later_copies(faces: Ints, either_winding: bool) -> Bools:
+def duplicates_of_earlier(faces: Ints, either_winding: bool) -> Bools:
     """(m,) which faces have the vertices of an earlier one, with the same winding or with either."""
     turns = np.argmin(faces, axis=1)[:, None] + np.arange(3)
     keys = np.take_along_axis(faces, turns % 3, axis=1)
@@ -56,7 +51,7 @@ def later_copies(faces: Ints, either_winding: bool) -> Bools:
     return copies
 
 
-def compacted(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+def without_unused_vertices(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """Without the vertices that no face uses; the order stays."""
     used = np.zeros(len(vertices), bool)
     used[faces] = True
@@ -71,7 +66,7 @@ def side_vectors(vertices: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]
     return c - b, a - c, b - a
 
 
-def flat_faces(vertices: Floats, faces: Ints) -> Bools:
+def zero_area_faces(vertices: Floats, faces: Ints) -> Bools:
     """(m,) which faces have no area."""
     sides = side_vectors(vertices, faces)
     longest = np.maximum.reduce([np.einsum("ij,ij->i", side, side) for side in sides])
@@ -80,20 +75,20 @@ def flat_faces(vertices: Floats, faces: Ints) -> Bools:
     # underflows.
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.sqrt(np.einsum("ij,ij->i", normals, normals)) / longest
-    return ~(ratio > SLIVER)
+    return ~(ratio > TOLERANCES.face_height)
 
 
-def without_short_edges(vertices: Floats, faces: Ints) -> Ints:
+def first_along_short_edges(vertices: Floats, faces: Ints) -> Ints:
     """(n,) for each vertex the first one joined to it by sides without length of faces without area."""
-    flat = faces[flat_faces(vertices, faces)]
-    lengths = np.column_stack([np.linalg.norm(side, axis=1) for side in side_vectors(vertices, flat)])
-    row, corner = np.nonzero(lengths <= SLIVER * lengths.max(axis=1, keepdims=True))
-    a, b = flat[row, (corner + 1) % 3], flat[row, (corner + 2) % 3]
-    number, labels = linked(len(vertices), a, b)
+    degenerate = faces[zero_area_faces(vertices, faces)]
+    lengths = np.column_stack([np.linalg.norm(side, axis=1) for side in side_vectors(vertices, degenerate)])
+    row, corner = np.nonzero(lengths <= TOLERANCES.face_height * lengths.max(axis=1, keepdims=True))
+    a, b = degenerate[row, (corner + 1) % 3], degenerate[row, (corner + 2) % 3]
+    number, labels = component_labels(len(vertices), a, b)
     return first_of_each(labels, number)[labels]
 
 
-def flipped(vertices: Floats, faces: Ints) -> Ints:
+def with_edges_flipped(vertices: Floats, faces: Ints) -> Ints:
     """Faces of a closed surface, those without area removed by flips of the side facing the obtuse corner.
 
     The corner lies on that side, so the flip keeps the shape. Faces that cannot be removed so stay as they
@@ -101,12 +96,12 @@ def flipped(vertices: Floats, faces: Ints) -> Ints:
     """
     faces = faces.copy()
     across = {pair: index // 3 for index, pair in enumerate(_half_edges(faces))}
-    waiting = np.flatnonzero(flat_faces(vertices, faces)).tolist()
+    waiting = np.flatnonzero(zero_area_faces(vertices, faces)).tolist()
     budget = 10 * len(waiting) + 100
     while waiting and budget:
         budget -= 1
         face = waiting.pop()
-        if not flat_faces(vertices, faces[face : face + 1])[0]:
+        if not zero_area_faces(vertices, faces[face : face + 1])[0]:
             continue
         a, b, c = _longest_side_first(vertices, faces[face])
         other = across[b, a]
@@ -117,7 +112,7 @@ def flipped(vertices: Floats, faces: Ints) -> Ints:
         for index, corners in ((face, (a, d, c)), (other, (d, b, c))):
             faces[index] = corners
             across.update(dict.fromkeys(_half_edges(faces[index : index + 1]), index))
-            waiting.insert(0, index)  # a neighbour may have become flat; it is looked at after the others
+            waiting.insert(0, index)  # a neighbour may have lost its area; it is looked at after the others
     return faces
 
 
@@ -132,12 +127,12 @@ def _longest_side_first(vertices: Floats, face: Ints) -> tuple[int, int, int]:
     return a, b, c
 
 
-def merged(vertices: Floats, faces: Ints, first: Ints) -> tuple[Floats, Ints, int]:
+def merged_vertices(vertices: Floats, faces: Ints, first: Ints) -> tuple[Floats, Ints, int]:
     """Each vertex replaced by its first: what is left of vertices and faces, and how many vertices went."""
     gone = int(np.count_nonzero(first != np.arange(len(first))))
     together = first[faces]
-    together = together[~repeating(together)]
-    kept, together = compacted(vertices, together)
+    together = together[~repeating_a_vertex(together)]
+    kept, together = without_unused_vertices(vertices, together)
     return kept, together, gone
 
 
@@ -148,8 +143,3 @@ def volume_and_area(vertices: Floats, faces: Ints) -> tuple[float, float]:
     normals = np.cross(b - a, c - a)
     volume = float(np.einsum("ij,ij->", a, normals)) / 6
     return volume, float(np.linalg.norm(normals, axis=1).sum()) / 2
-
-
-def topology(vertices: Floats, faces: Ints) -> Topology:
-    """The faces' topology."""
-    return Topology(faces, len(vertices))

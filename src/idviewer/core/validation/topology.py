@@ -1,4 +1,4 @@
-"""How the faces of a triangle mesh hang together: edges, loops, components, orientation, umbrellas.
+"""How the faces of a triangle mesh hang together: edges, loops, components, orientation, vertex fans.
 
 Everything is sorting and sparse graphs: a fraction of a second for a million faces. Half-edge h = 3 f + i
 runs from faces[f, i] to faces[f, (i + 1) % 3].
@@ -16,12 +16,12 @@ from scipy.sparse.csgraph import connected_components
 from idviewer.core.arrays import Bools, Ints
 
 
-def following(half_edges: Ints) -> Ints:
+def next_half_edges(half_edges: Ints) -> Ints:
     """The next half-edge around the same face, for each."""
     return half_edges + np.where(half_edges % 3 == 2, -2, 1)
 
 
-def linked(count: int, a: Ints, b: Ints) -> tuple[int, Ints]:
+def component_labels(count: int, a: Ints, b: Ints) -> tuple[int, Ints]:
     """Number of connected components of `count` nodes joined by the links a-b, and each node's label."""
     graph = csr_array((np.ones(len(a), np.int8), (a, b)), shape=(count, count))
     number, labels = connected_components(graph, directed=False)
@@ -82,7 +82,7 @@ class Topology:
         return np.flatnonzero(self.face_counts == 1)
 
     @cached_property
-    def crowded(self) -> Ints:
+    def non_manifold_edges(self) -> Ints:
         """The edges that have more than two faces (non-manifold)."""
         return np.flatnonzero(self.face_counts > 2)
 
@@ -99,7 +99,7 @@ class Topology:
         return np.column_stack([order[double], order[double + 1]])
 
     @cached_property
-    def clashing(self) -> Bools:
+    def inconsistently_oriented(self) -> Bools:
         """(p,) which pairs run in the same direction: their faces are wound against each other."""
         return self.tails[self.pairs[:, 0]] == self.tails[self.pairs[:, 1]]
 
@@ -108,7 +108,7 @@ class Topology:
         ends = self.ends[self.boundary]
         vertices, nodes = np.unique(ends, return_inverse=True)
         nodes = nodes.reshape(ends.shape)
-        return linked(len(vertices), nodes[:, 0], nodes[:, 1])[0]
+        return component_labels(len(vertices), nodes[:, 0], nodes[:, 1])[0]
 
     @cached_property
     def components(self) -> tuple[int, Ints]:
@@ -116,7 +116,7 @@ class Topology:
 
         Components of equal size keep the order of their first faces.
         """
-        number, of_vertex = linked(self.vertex_count, self.ends[:, 0], self.ends[:, 1])
+        number, of_vertex = component_labels(self.vertex_count, self.ends[:, 0], self.ends[:, 1])
         of_face = of_vertex[self.faces[:, 0]]
         sizes = np.bincount(of_face, minlength=number)
         firsts = first_of_each(of_face, number)
@@ -124,23 +124,23 @@ class Topology:
         ranks[np.lexsort([firsts, -sizes])] = np.arange(number)
         return int(np.count_nonzero(sizes)), ranks[of_face]
 
-    def parts(self) -> int:
+    def edge_components(self) -> int:
         """Number of parts whose faces are joined by edges; a component may join several in a vertex."""
         f, g = (self.pairs // 3).T
-        return linked(len(self.faces), f, g)[0]
+        return component_labels(len(self.faces), f, g)[0]
 
-    def turned(self) -> Bools | None:
-        """(m,) which faces to turn so that all are wound alike; None if the surface is one-sided.
+    def faces_to_flip(self) -> Bools | None:
+        """(m,) which faces to flip so that all are wound alike; None if the surface is one-sided.
 
         Each face has two sides; an edge joins sides that agree. On a one-sided surface both sides of a face
-        are connected. Of two consistent windings the one that turns fewer faces is taken.
+        are connected. Of two consistent windings the one that flips fewer faces is taken.
         """
         count = len(self.faces)
         f, g = (self.pairs // 3).T
-        clash = self.clashing
+        opposed = self.inconsistently_oriented
         sides_a = np.concatenate([f, f + count])
-        sides_b = np.concatenate([np.where(clash, g + count, g), np.where(clash, g, g + count)])
-        number, labels = linked(2 * count, sides_a, sides_b)
+        sides_b = np.concatenate([np.where(opposed, g + count, g), np.where(opposed, g, g + count)])
+        number, labels = component_labels(2 * count, sides_a, sides_b)
         front, back = labels[:count], labels[count:]
         if np.any(front == back):
             return None
@@ -148,7 +148,7 @@ class Topology:
         kept = np.bincount(front, minlength=number)
         return (kept[front] < kept[back]) | ((kept[front] == kept[back]) & (front > back))
 
-    def umbrellas(self) -> Ints:
+    def vertex_fans(self) -> Ints:
         """(u,) the vertex of every cycle of faces around a vertex; on a manifold each vertex appears once.
 
         For closed, consistently wound faces. Turning around a vertex permutes its half-edges; the smallest
@@ -157,7 +157,7 @@ class Topology:
         """
         step = np.empty(len(self.tails), np.int64)
         one, other = self.pairs.T
-        step[one], step[other] = following(other), following(one)
+        step[one], step[other] = next_half_edges(other), next_half_edges(one)
         lowest = np.arange(len(step))
         while True:
             lower = np.minimum(lowest, lowest[step])

@@ -1,0 +1,95 @@
+"""What the validation of a mesh has found so far, and the mesh as repaired so far."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from idviewer.core.arrays import Bools, Floats, Ints
+from idviewer.core.validation.findings import KEPT, Finding
+from idviewer.core.validation.polygon_soup import PolygonSoup
+from idviewer.core.validation.repairs import without_unused_vertices
+from idviewer.core.validation.topology import Topology
+from idviewer.core.validation.triangle_quality import TriangleQuality
+
+
+class ValidationReport:
+    """Vertices and faces as repaired so far, and all findings; the checks change it in their order.
+
+    Attributes:
+        source: the polygons that were given.
+        polygons: those of them that refer to vertices, without isolated vertices.
+        findings: in the order in which they were made.
+        component_sizes: faces of each component, the largest first; empty until they are counted.
+        stopped: nothing can be checked behind the last finding.
+        triangle_quality: of the surface; None if it was not looked at.
+        vertices: (n, 3).
+    """
+
+    def __init__(self, polygons: PolygonSoup) -> None:
+        self.source = polygons
+        self.polygons = polygons
+        self.findings: list[Finding] = []
+        self.component_sizes: tuple[int, ...] = ()
+        self.stopped = False
+        self.triangle_quality: TriangleQuality | None = None
+        self.vertices = polygons.vertices
+        self._faces = np.empty((0, 3), np.int64)
+        self._topology: Topology | None = None
+
+    @property
+    def faces(self) -> Ints:
+        """(m, 3) triangles."""
+        return self._faces
+
+    @faces.setter
+    def faces(self, faces: Ints) -> None:
+        self._faces, self._topology = faces, None
+
+    @property
+    def topology(self) -> Topology:
+        """Of the current faces."""
+        if self._topology is None:
+            self._topology = Topology(self.faces, len(self.vertices))
+        return self._topology
+
+    @property
+    def size(self) -> float:
+        """The bounding box's diagonal."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+
+    @property
+    def fatal(self) -> bool:
+        """Whether something was found that has no repair."""
+        return any(finding.fatal for finding in self.findings)
+
+    @property
+    def oriented_manifold(self) -> bool:
+        """Whether the surface is closed, manifold and consistently oriented."""
+        topology = self.topology
+        return len(self.faces) > 0 and topology.closed and not topology.inconsistently_oriented.any()
+
+    @property
+    def repaired(self) -> bool:
+        """Whether anything was found that a mesh may not have."""
+        return any(finding.kind not in KEPT for finding in self.findings)
+
+    def is_closed(self) -> bool:
+        """Whether two faces meet in every edge; a vertex with fewer than two faces spares the sorting."""
+        return bool(np.bincount(self.faces.ravel()).min() > 1) and self.topology.closed
+
+    def add(self, finding: Finding) -> None:
+        """Note a finding."""
+        self.findings.append(finding)
+
+    def stop(self, finding: Finding) -> None:
+        """Note a finding behind which nothing can be checked."""
+        self.findings.append(finding)
+        self.stopped = True
+
+    def near(self, vertex: int | np.integer) -> tuple[Floats, float]:
+        """A place for a finding: the vertex's position, and the size of the mesh."""
+        return self.vertices[vertex], self.size
+
+    def keep(self, chosen: Bools) -> None:
+        """Go on with some of the faces and the vertices they use."""
+        self.vertices, self.faces = without_unused_vertices(self.vertices, self.faces[chosen])
