@@ -22,6 +22,7 @@ from idviewer.core import (
     write_polygon,
 )
 from idviewer.core.io import svg
+from idviewer.core.io.svg import CurveFlattening
 
 CSV = "0,0\n1,0\n1,1\n0,1\n"
 RING = "0 0, 1 0, 1 1, 0 1, 0 0"
@@ -175,7 +176,7 @@ def test_svg_circles_and_ellipses(tmp_path):
 def test_svg_curves_are_as_flat_as_promised(tmp_path, data, monkeypatch):
     """Chords of a hundred times finer flattening lie within the tolerance of the coarse ones."""
     coarse = read_polygon(written(tmp_path, "curve.svg", path(data)))
-    monkeypatch.setattr(svg, "FLATNESS", svg.FLATNESS / 100)
+    monkeypatch.setattr(svg, "FLATTENING", CurveFlattening(tolerance=svg.FLATTENING.tolerance / 100))
     fine = read_polygon(written(tmp_path, "curve.svg", path(data)))
     assert len(fine.vertices) > 5 * len(coarse.vertices)
     start, end = coarse.vertices, coarse.vertices[coarse.edges[:, 1]]

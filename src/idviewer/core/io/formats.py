@@ -134,5 +134,9 @@ def why_unreadable(path: Path, dimension: int | None = None) -> str:
 
 
 def one_line(thing: object) -> str:
-    """A path or a cause on one line, whatever it is made of."""
+    r"""A path or a cause on one line, whatever it is made of.
+
+    >>> one_line("two\nlines")
+    'two?lines'
+    """
     return "".join(letter if letter.isprintable() else "?" for letter in str(thing))

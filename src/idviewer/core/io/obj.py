@@ -13,7 +13,11 @@ _FACE = (b"f ", b"f\t")
 
 
 def read_obj(data: bytes) -> PolygonSoup:
-    """Polygons of an OBJ file, of all its objects and groups together."""
+    r"""Polygons of an OBJ file, of all its objects and groups together.
+
+    >>> read_obj(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").corners.tolist()
+    [0, 1, 2]
+    """
     if b"\\" in data:
         data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
     lines = [line.lstrip() for line in text_lines(data)]

@@ -14,7 +14,11 @@ _HEADER = re.compile(rb"\s*(ST)?(C)?(N)?(4)?(n)?OFF\b\s*(BINARY\b)?(.*)", re.DOT
 
 
 def read_off(data: bytes) -> PolygonSoup:
-    """Polygons of an OFF file. Normals, colours and texture coordinates are passed over."""
+    r"""Polygons of an OFF file. Normals, colours and texture coordinates are passed over.
+
+    >>> read_off(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").corners.tolist()
+    [0, 1, 2]
+    """
     lines = _without_header(data)
     counts = integers(lines[0].split()[:3])
     if len(counts) < 2 or np.any(counts < 0):

@@ -17,7 +17,11 @@ _HEADING = re.compile(r"(?!(nan|inf|infinity)$)[^\W\d]|\"", re.IGNORECASE)
 
 
 def read_csv(data: bytes) -> list[Floats]:
-    """Loops of a CSV file: x,y a line; blank lines or lines of nan between loops; a header is passed over."""
+    r"""Loops of a CSV file: x,y a line; blank lines or lines of nan between loops; a header is passed over.
+
+    >>> [loop.tolist() for loop in read_csv(b"x,y\n0,0\n1,0\n0,1\n")]
+    [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]
+    """
     loops: list[list[tuple[float, float]]] = [[]]
     lines = _text(data).splitlines()
     start = 1 if lines and _is_header(lines[0]) else 0
@@ -38,7 +42,11 @@ def read_csv(data: bytes) -> list[Floats]:
 
 
 def read_json(data: bytes) -> list[Floats]:
-    """Loops of a JSON file: [[x, y], ...], {"outer": ..., "holes": [...]}, or GeoJSON with a Polygon."""
+    """Loops of a JSON file: [[x, y], ...], {"outer": ..., "holes": [...]}, or GeoJSON with a Polygon.
+
+    >>> [len(loop) for loop in read_json(b'{"outer": [[0, 0], [1, 0], [0, 1]], "holes": []}')]
+    [3]
+    """
     try:
         content = json.loads(_text(data))
     except json.JSONDecodeError as error:
@@ -49,7 +57,11 @@ def read_json(data: bytes) -> list[Floats]:
 
 
 def read_wkt(data: bytes) -> list[Floats]:
-    """Loops of a file with well-known text: a POLYGON, or a MULTIPOLYGON of one part, without heights."""
+    """Loops of a file with well-known text: a POLYGON, or a MULTIPOLYGON of one part, without heights.
+
+    >>> [loop.tolist() for loop in read_wkt(b"POLYGON ((0 0, 1 0, 0 1, 0 0))")]
+    [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]
+    """
     try:
         with np.errstate(over="ignore"):  # infinite coordinates are refused later
             geometry = shapely.from_wkt(_text(data))

@@ -12,8 +12,8 @@ from idviewer.core.validation.polygon_soup import PolygonSoup
 
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("points", "<f4", (3, 3)), ("attribute", "<u2")])
 _FACET = b"facet normal . . . outer loop vertex . . . vertex . . . vertex . . . endloop endfacet".split()
-_WORDS = [place for place, word in enumerate(_FACET) if word != b"."]
-_NUMBERS = [place for place in range(7, 20) if _FACET[place] == b"."]
+_KEYWORD_PLACES = [place for place, word in enumerate(_FACET) if word != b"."]
+_NUMBER_PLACES = [place for place in range(7, 20) if _FACET[place] == b"."]
 
 
 def read_stl(data: bytes) -> PolygonSoup:
@@ -45,7 +45,7 @@ def _text(data: bytes) -> Floats:
         raise UnreadableError(f"truncated: {opened} solids begin, {closed} end")
     tokens = rest.lower().split()
     count, over = divmod(len(tokens), len(_FACET))
-    if over or any(tokens[place :: len(_FACET)].count(_FACET[place]) != count for place in _WORDS):
+    if over or any(tokens[place :: len(_FACET)].count(_FACET[place]) != count for place in _KEYWORD_PLACES):
         raise UnreadableError("a facet is not 'facet normal, outer loop, three vertices, endloop, endfacet'")
-    columns = [token for place in _NUMBERS for token in tokens[place :: len(_FACET)]]
+    columns = [token for place in _NUMBER_PLACES for token in tokens[place :: len(_FACET)]]
     return floats(columns).reshape(9, count).T.reshape(count, 3, 3)

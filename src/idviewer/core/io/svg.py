@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+from dataclasses import dataclass
 from xml.etree.ElementTree import ParseError
 
 import numpy as np
@@ -15,11 +16,21 @@ import svgelements
 from idviewer.core.arrays import Floats
 from idviewer.core.io.text import UnreadableError
 
-FLATNESS = 1e-4
-"""Chords stay nearer to their curve than this share of the drawing's diagonal."""
 
-MOST_CHORDS = 10_000
-"""Of one curve."""
+@dataclass(frozen=True)
+class CurveFlattening:
+    """How curves become chords.
+
+    Attributes:
+        tolerance: chords stay nearer to their curve than this share of the outline's diagonal.
+        most_chords: of one curve.
+    """
+
+    tolerance: float = 1e-4
+    most_chords: int = 10_000
+
+
+FLATTENING = CurveFlattening()
 
 
 def read_svg(data: bytes, element: str | None = None) -> list[Floats]:
@@ -28,12 +39,15 @@ def read_svg(data: bytes, element: str | None = None) -> list[Floats]:
     Args:
         data: of the file.
         element: id of the element to take instead.
+
+    >>> [loop.tolist() for loop in read_svg(b'<svg><path d="M0 0H1V1z"/></svg>')]
+    [[[0.0, -0.0], [1.0, -0.0], [1.0, -1.0]]]
     """
     path = _outline(_chosen(_shapes(data), element))
     box = path.bbox()
     if box is None or not np.isfinite(box).all():
         raise UnreadableError("its outline is empty or not finite")
-    tolerance = FLATNESS * math.hypot(box[2] - box[0], box[3] - box[1])
+    tolerance = FLATTENING.tolerance * math.hypot(box[2] - box[0], box[3] - box[1])
     loops: list[list[Floats]] = []
     closed = True
     for segment in path:
@@ -111,7 +125,7 @@ def _chords(segment: svgelements.PathSegment, tolerance: float) -> int:
         degree = len(control) - 1
         bend = np.linalg.norm(np.diff(control, 2, axis=0), axis=1).max(initial=0.0)
         number = math.sqrt(degree * (degree - 1) * bend / (8.0 * tolerance))
-    return int(min(max(math.ceil(number), 1), MOST_CHORDS))
+    return int(min(max(math.ceil(number), 1), FLATTENING.most_chords))
 
 
 def _merged(points: Floats, tolerance: float) -> Floats:

@@ -21,7 +21,11 @@ class UnreadableError(ValueError):
 
 
 def floats(tokens: Tokens) -> Floats:
-    """Numbers from text. Raises UnreadableError that names the first token that is none."""
+    """Numbers from text. Raises UnreadableError that names the first token that is none.
+
+    >>> floats([b"1", b"2.5"]).tolist()
+    [1.0, 2.5]
+    """
     try:
         return np.array(list(map(float, tokens)), dtype=np.float64)
     except ValueError:
@@ -29,7 +33,11 @@ def floats(tokens: Tokens) -> Floats:
 
 
 def integers(tokens: Tokens) -> Ints:
-    """Whole numbers from text. Raises UnreadableError that names the first token that is none."""
+    """Whole numbers from text. Raises UnreadableError that names the first token that is none.
+
+    >>> integers([b"1", b"2"]).tolist()
+    [1, 2]
+    """
     try:
         return np.array(list(map(int, tokens)), dtype=np.int64)
     except (ValueError, OverflowError):
@@ -46,7 +54,11 @@ def _shown(tokens: Tokens, kind: type[int] | type[float]) -> str:
 
 
 def text_lines(data: bytes) -> list[bytes]:
-    """Lines of a text file, without comments (#) and blank ones. Raises UnreadableError if it is no text."""
+    r"""Lines of a text file, without comments (#) and blank ones. Raises UnreadableError if it is no text.
+
+    >>> text_lines(b"OFF # a remark\n\n3 1 0\n")
+    [b'OFF ', b'3 1 0']
+    """
     data = data.removeprefix(b"\xef\xbb\xbf")
     if b"\0" in data:
         raise UnreadableError("it holds binary data, not text")
@@ -57,7 +69,11 @@ def text_lines(data: bytes) -> list[bytes]:
 
 
 def missing(what: str, promised: int, found: int) -> UnreadableError:
-    """The error for a file that does not hold what its header promises."""
+    """The error for a file that does not hold what its header promises.
+
+    >>> str(missing("faces", 4, 3))
+    'truncated: it announces 4 faces and holds 3'
+    """
     if found < promised:
         return UnreadableError(f"truncated: it announces {promised:,} {what} and holds {found:,}")
     return UnreadableError(f"wrong counts: it announces {promised:,} {what} and holds more")

@@ -10,10 +10,10 @@ from idviewer.core.arrays import Bools, Floats, Ints
 from idviewer.core.morton import morton_order, stable_order
 from idviewer.core.shapes.plane import Plane
 
-FACES_IN_A_PATCH = 32
-VERTICES_IN_A_PATCH = 32
+FACES_PER_PATCH = 32
+VERTICES_PER_PATCH = 32
 
-ROUNDING = 32 * float(np.finfo(np.float64).eps)
+RELATIVE_ROUNDING = 32 * float(np.finfo(np.float64).eps)
 """Bound of the rounding errors in heights and boxes, as a share of the largest coordinate involved."""
 
 
@@ -43,8 +43,8 @@ class Patches:
 
     Attributes:
         vertices: (n,) the vertex at each place along the curve.
-        positions: (3, patches, VERTICES_IN_A_PATCH) where they are; the last is repeated to fill its patch.
-        corners: (patches, 3, FACES_IN_A_PATCH) places of the faces' corners; the last patch is filled up
+        positions: (3, patches, VERTICES_PER_PATCH) where they are; the last is repeated to fill its patch.
+        corners: (patches, 3, FACES_PER_PATCH) places of the faces' corners; the last patch is filled up
             with faces whose corners coincide.
         vertex_boxes: around the patches of vertices.
         face_boxes: around the patches of faces.
@@ -63,8 +63,8 @@ class Patches:
         """The patches of (n, 3) vertices and (m, 3) faces; some 20 ms for 100,000 faces."""
         order = morton_order(vertices)
         ordered = np.ascontiguousarray(vertices[order].T)
-        filling = np.broadcast_to(ordered[:, -1:], (3, -len(order) % VERTICES_IN_A_PATCH))
-        positions = np.concatenate([ordered, filling], axis=1).reshape(3, -1, VERTICES_IN_A_PATCH)
+        filling = np.broadcast_to(ordered[:, -1:], (3, -len(order) % VERTICES_PER_PATCH))
+        positions = np.concatenate([ordered, filling], axis=1).reshape(3, -1, VERTICES_PER_PATCH)
         place = np.empty_like(order)
         place[order] = np.arange(len(order))
         corners = _patches_of_faces(place[faces])
@@ -78,7 +78,7 @@ class Patches:
         Returns:
             (c, 3) their vertices, and (c, 3) which of these are above.
         """
-        slack = ROUNDING * (self.largest + max(map(abs, plane.origin)))
+        slack = RELATIVE_ROUNDING * (self.largest + max(map(abs, plane.origin)))
         above = self._above(plane, slack)
         _, near = self.face_boxes.sides(plane, slack)
         corners = self.corners[near]
@@ -90,7 +90,7 @@ class Patches:
     def _above(self, plane: Plane, slack: float) -> Bools:
         """Which vertices, by place, are above a plane."""
         sides, near = self.vertex_boxes.sides(plane, slack)
-        above = np.repeat(sides, VERTICES_IN_A_PATCH).reshape(-1, VERTICES_IN_A_PATCH)
+        above = np.repeat(sides, VERTICES_PER_PATCH).reshape(-1, VERTICES_PER_PATCH)
         above[near] = heights(self.positions[:, near], plane) > 0.0
         return above.ravel()
 
@@ -99,6 +99,9 @@ def heights(positions: Floats, plane: Plane) -> Floats:
     """Heights (...) of points (3, ...) above a plane, the same for a point wherever it stands in the array.
 
     A product of matrices does not promise that: its rounding depends on how it is blocked.
+
+    >>> heights(np.array([[5.0], [5.0], [4.0]]), Plane((0, 0, 1), (0, 0, 1))).tolist()
+    [3.0]
     """
     total = np.zeros(positions.shape[1:])
     for values, start, factor in zip(positions, plane.origin, plane.normal, strict=True):
@@ -107,10 +110,10 @@ def heights(positions: Floats, plane: Plane) -> Floats:
 
 
 def _patches_of_faces(faces: Ints) -> Ints:
-    """(patches, 3, FACES_IN_A_PATCH) the faces (m, 3) sorted by their first corners."""
+    """(patches, 3, FACES_PER_PATCH) the faces (m, 3) sorted by their first corners."""
     ordered = faces[stable_order(faces[:, 0])]
-    filling = np.broadcast_to(ordered[-1:, :1], (-len(faces) % FACES_IN_A_PATCH, 3))
-    patches = np.concatenate([ordered, filling]).reshape(-1, FACES_IN_A_PATCH, 3)
+    filling = np.broadcast_to(ordered[-1:, :1], (-len(faces) % FACES_PER_PATCH, 3))
+    patches = np.concatenate([ordered, filling]).reshape(-1, FACES_PER_PATCH, 3)
     return np.ascontiguousarray(patches.transpose(0, 2, 1))
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
-from idviewer.core.validation.findings import CHOICES, Finding
+from idviewer.core.validation.findings import COMPONENT_KINDS, Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repairs import side_vectors, volume_and_area
@@ -45,10 +45,10 @@ class MeshError(ShapeError):
         fatal = [finding for finding in report.findings if finding.fatal]
         if fatal:
             parts = [finding.message for finding in fatal] + [fatal[0].remedy]
-            choosing = any(finding.kind in CHOICES for finding in fatal)
+            choosing = any(finding.kind in COMPONENT_KINDS for finding in fatal)
             several = report.component_sizes if choosing else ()
         else:
-            parts = [finding.message for finding in report.findings if not finding.kept]
+            parts = [finding.message for finding in report.findings if not finding.harmless]
             parts, several = [*parts, "idviewer.core.repair_mesh mends this"], ()
         message = "; ".join(part for part in parts if part)
         return cls(f"{name}: {message}" if name else message, tuple(report.findings), several)

@@ -14,6 +14,11 @@ def bridges_between(vertices: Floats, loops: tuple[Ints, ...]) -> Ints:
     Returns:
         (h, 2) vertices of each bridge, one bridge fewer than loops; the first one belongs to a loop that the
         bridges before reach from the outer loop.
+
+    >>> square = np.array([[0.0, 0], [3, 0], [3, 3], [0, 3]])
+    >>> hole = np.array([[0.5, 1], [1, 1], [1, 2]])
+    >>> bridges_between(np.concatenate([square, hole]), (np.arange(4), np.arange(4, 7))).tolist()
+    [[0, 4]]
     """
     outside = dict(enumerate(loops[1:], 1))
     # Of each loop outside: length, near and far end of the shortest bridge to the loops reached so far.

@@ -11,8 +11,8 @@ import numpy as np
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.validation.polygon_checks import PolygonError
 
-CORNER = np.radians(20.0)
-"""A vertex where the outline turns by more than this is a corner; smooth outlines turn less."""
+CORNER_TURN = float(np.radians(20.0))
+"""Radians: a vertex where the outline turns by more is a corner; smooth outlines turn less."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,10 @@ def resampled_loops(vertices: Floats, loops: tuple[Ints, ...], count: int) -> li
 
     Raises:
         PolygonError: the corners alone are more than that.
+
+    >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> resampled_loops(square, (np.arange(4),), 8)[0][:3].tolist()
+    [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]
     """
     arcs = [arc for number, loop in enumerate(loops) for arc in _arcs(number, vertices[loop])]
     counts = _shared(arcs, count)
@@ -58,7 +62,7 @@ def _arcs(number: int, points: Floats) -> list[_Arc]:
     before = np.roll(sides, 1, axis=0)
     across = before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0]
     turn = np.abs(np.arctan2(across, np.einsum("ij,ij->i", before, sides)))
-    corners = np.flatnonzero(turn > CORNER)
+    corners = np.flatnonzero(turn > CORNER_TURN)
     first = corners if len(corners) else np.zeros(1, dtype=np.int64)
     rolled = np.roll(points, -first[0], axis=0)
     closed = np.concatenate([rolled, rolled[:1]])

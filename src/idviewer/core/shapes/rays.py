@@ -116,6 +116,12 @@ def middle_of_first_chord(mesh: Mesh, ray: Ray) -> Floats | None:
     """(3,) the middle of the first stretch of the ray that lies inside the mesh; None if it misses.
 
     A ray that starts inside begins its first stretch where it starts.
+
+    >>> from idviewer.core import Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> middle_of_first_chord(tetrahedron, Ray((0.2, 0.2, -1), (0, 0, 1))).round(12).tolist()
+    [0.2, 0.2, 0.3]
     """
     met = crossings(mesh, ray)
     if len(met.distances) == 0:

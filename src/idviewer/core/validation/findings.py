@@ -21,14 +21,14 @@ class Kind(NamedTuple):
     remedy: str = ""
 
 
-_AGAIN = "export it again from the program that made it"
-_CLEAN = "clean it in a mesh editor such as MeshLab or Blender"
-_CLOSE = "close the holes in a mesh editor such as MeshLab or Blender"
+_EXPORT_AGAIN = "export it again from the program that made it"
+_CLEAN_UP = "clean it in a mesh editor such as MeshLab or Blender"
+_CLOSE_HOLES = "close the holes in a mesh editor such as MeshLab or Blender"
 
 KINDS = {
     "no_faces": Kind("", "", remedy="export the surface as triangles"),
     "index_out_of_range": Kind(
-        "face that refers to a missing vertex", "faces that refer to missing vertices", remedy=_AGAIN
+        "face that refers to a missing vertex", "faces that refer to missing vertices", remedy=_EXPORT_AGAIN
     ),
     "few_corners": Kind(
         "face with fewer than three corners", "faces with fewer than three corners", repair="left out"
@@ -37,7 +37,7 @@ KINDS = {
     "not_finite": Kind(
         "vertex whose coordinates are not finite numbers",
         "vertices whose coordinates are not finite numbers",
-        remedy=_AGAIN,
+        remedy=_EXPORT_AGAIN,
     ),
     "extent": Kind("", "", remedy="scale it to another unit"),
     "polygons": Kind(
@@ -58,9 +58,9 @@ KINDS = {
     "no_such_component": Kind("", ""),
     "chosen_component": Kind("", "", repair="taken"),
     "non_manifold_edges": Kind(
-        "edge with more than two faces", "edges with more than two faces", remedy=_CLEAN
+        "edge with more than two faces", "edges with more than two faces", remedy=_CLEAN_UP
     ),
-    "boundary_edges": Kind("boundary edge", "boundary edges", remedy=_CLOSE),
+    "boundary_edges": Kind("boundary edge", "boundary edges", remedy=_CLOSE_HOLES),
     "not_orientable": Kind("", "", remedy="only a closed, two-sided surface has an inside"),
     "inconsistent_winding": Kind(
         "face wound against its neighbours", "faces wound against their neighbours", repair="turned"
@@ -69,7 +69,7 @@ KINDS = {
         "face without area",
         "faces without area",
         repair="removed by flipping or collapsing edges, which keeps the shape",
-        remedy=_CLEAN,
+        remedy=_CLEAN_UP,
     ),
     "no_volume": Kind("", "", remedy="a solid body is needed; give the sheet a thickness"),
     "inside_out": Kind("", "", repair="turned"),
@@ -81,10 +81,10 @@ KINDS = {
     "uneven_triangles": Kind("", "", repair="bridged by an intrinsic Delaunay triangulation"),
 }
 
-KEPT = ("touching_vertices", "pinched_vertices", "uneven_triangles")
+HARMLESS_KINDS = ("touching_vertices", "pinched_vertices", "uneven_triangles")
 """Kinds that a mesh may have: they are reported, and nothing is done about them."""
 
-CHOICES = ("several_components", "no_such_component")
+COMPONENT_KINDS = ("several_components", "no_such_component")
 """Kinds that choosing one of the components does away with."""
 
 
@@ -116,9 +116,9 @@ class Finding:
         return self.repair is None
 
     @property
-    def kept(self) -> bool:
+    def harmless(self) -> bool:
         """Whether a mesh may stay so."""
-        return self.kind in KEPT
+        return self.kind in HARMLESS_KINDS
 
     @property
     def note(self) -> str:
@@ -128,7 +128,7 @@ class Finding:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        severity = "fatal" if self.fatal else "kept" if self.kept else "repaired"
+        severity = "fatal" if self.fatal else "kept" if self.harmless else "repaired"
         return {
             "kind": self.kind,
             "severity": severity,
@@ -141,7 +141,11 @@ class Finding:
 
 
 def counted(kind: str, count: int, detail: str = "", place: tuple[Floats, float] | None = None) -> Finding:
-    """A finding of things that can be counted; `place` is one of their points and the size of the mesh."""
+    """A finding of things that can be counted; `place` is one of their points and the size of the mesh.
+
+    >>> counted("isolated_vertices", 2).note
+    '2 isolated vertices were dropped.'
+    """
     terms = KINDS[kind]
     subject = f"{count:,} {terms.one if count == 1 else terms.many}"
     return stated(kind, subject, detail, count, place)
@@ -150,7 +154,11 @@ def counted(kind: str, count: int, detail: str = "", place: tuple[Floats, float]
 def stated(
     kind: str, subject: str, detail: str = "", count: int = 1, place: tuple[Floats, float] | None = None
 ) -> Finding:
-    """A finding in words of its own."""
+    """A finding in words of its own.
+
+    >>> stated("no_volume", "no volume").fatal
+    True
+    """
     terms = KINDS[kind]
     message = subject.rstrip(",") + detail
     where = None
@@ -161,7 +169,11 @@ def stated(
 
 
 def several(sizes: tuple[int, ...]) -> Finding:
-    """The finding that names several components, the largest first."""
+    """The finding that names several components, the largest first.
+
+    >>> several((8, 4)).message
+    '2 components with 8, 4 faces'
+    """
     named = ", ".join(f"{size:,}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
     finding = counted("several_components", len(sizes), f" with {named} faces")
     remedy = f"choose one by its number, component=1 (the largest) to component={len(sizes)}"

@@ -29,17 +29,17 @@ def validate(polygons: PolygonSoup, component: int | None = None) -> ValidationR
     """
     report = ValidationReport(polygons)
     checks = (
-        check_indices,
-        check_coordinates,
-        triangulate_polygons,
-        merge_duplicates,
-        close_gaps,
-        partial(choose_component, component=component),
-        check_edges,
-        orient_consistently,
-        remove_zero_area_faces,
-        check_volume,
-        check_triangle_quality,
+        _check_indices,
+        _check_coordinates,
+        _triangulate_polygons,
+        _merge_duplicates,
+        _close_gaps,
+        partial(_choose_component, component=component),
+        _check_edges,
+        _orient_consistently,
+        _remove_zero_area_faces,
+        _check_volume,
+        _check_triangle_quality,
     )
     for check in checks:
         check(report)
@@ -48,7 +48,7 @@ def validate(polygons: PolygonSoup, component: int | None = None) -> ValidationR
     return report
 
 
-def check_indices(report: ValidationReport) -> None:
+def _check_indices(report: ValidationReport) -> None:
     """Refuse missing faces and vertices; leave out faces with too few corners, and isolated vertices."""
     source, count = report.source, len(report.source.vertices)
     if len(source.sizes) == 0:
@@ -69,7 +69,7 @@ def check_indices(report: ValidationReport) -> None:
     return None
 
 
-def check_coordinates(report: ValidationReport) -> None:
+def _check_coordinates(report: ValidationReport) -> None:
     """Refuse coordinates that are not finite, or too large or small to compute with."""
     broken = ~np.isfinite(report.vertices).all(axis=1)
     if broken.any():
@@ -83,7 +83,7 @@ def check_coordinates(report: ValidationReport) -> None:
     return None
 
 
-def triangulate_polygons(report: ValidationReport) -> None:
+def _triangulate_polygons(report: ValidationReport) -> None:
     """Cut polygons into triangles; leave out faces that repeat a vertex."""
     if many := int(np.count_nonzero(report.polygons.sizes > 3)):
         report.add(counted("polygons", many))
@@ -104,7 +104,7 @@ def _stop_without_faces(report: ValidationReport) -> None:
         )
 
 
-def merge_duplicates(report: ValidationReport) -> None:
+def _merge_duplicates(report: ValidationReport) -> None:
     """Merge duplicated vertices, and leave out duplicate faces."""
     first = repairs.first_coincident(report.vertices)
     different = first != np.arange(len(first))
@@ -133,7 +133,7 @@ def merge_duplicates(report: ValidationReport) -> None:
             report.keep(~copies)
 
 
-def close_gaps(report: ValidationReport) -> None:
+def _close_gaps(report: ValidationReport) -> None:
     """Merge boundary vertices that nearly coincide, if that closes the surface."""
     rim = np.unique(report.topology.ends[report.topology.boundary])
     if len(rim) == 0:
@@ -145,7 +145,7 @@ def close_gaps(report: ValidationReport) -> None:
         report.vertices, report.faces = vertices, faces
 
 
-def choose_component(report: ValidationReport, component: int | None) -> None:
+def _choose_component(report: ValidationReport, component: int | None) -> None:
     """Take one of several components if it was chosen; else the finding names them."""
     number, of_face = report.topology.components
     report.component_sizes = tuple(np.bincount(of_face).tolist())
@@ -164,7 +164,7 @@ def choose_component(report: ValidationReport, component: int | None) -> None:
     return None
 
 
-def check_edges(report: ValidationReport) -> None:
+def _check_edges(report: ValidationReport) -> None:
     """Find holes, and edges with more than two faces."""
     topology = report.topology
     if len(topology.non_manifold_edges):
@@ -177,7 +177,7 @@ def check_edges(report: ValidationReport) -> None:
         report.add(counted("boundary_edges", len(topology.boundary), detail, place))
 
 
-def orient_consistently(report: ValidationReport) -> None:
+def _orient_consistently(report: ValidationReport) -> None:
     """Flip faces that are inconsistently oriented; a surface with one side only is refused."""
     topology = report.topology
     if not topology.inconsistently_oriented.any():
@@ -191,7 +191,7 @@ def orient_consistently(report: ValidationReport) -> None:
     report.faces = np.where(flipped[:, None], report.faces[:, ::-1], report.faces)
 
 
-def remove_zero_area_faces(report: ValidationReport) -> None:
+def _remove_zero_area_faces(report: ValidationReport) -> None:
     """Remove faces without area by edge flips and collapses."""
     degenerate = repairs.zero_area_faces(report.vertices, report.faces)
     if not degenerate.any():
@@ -216,7 +216,7 @@ def _without_zero_area_faces(report: ValidationReport) -> bool:
     return not repairs.zero_area_faces(report.vertices, report.faces).any()
 
 
-def check_volume(report: ValidationReport) -> None:
+def _check_volume(report: ValidationReport) -> None:
     """Refuse bodies without volume, flip those that are inside out, and find pinched vertices."""
     if report.fatal:
         return
@@ -233,7 +233,7 @@ def check_volume(report: ValidationReport) -> None:
         report.add(counted("pinched_vertices", len(pinched), place=report.near(pinched[0])))
 
 
-def check_triangle_quality(report: ValidationReport) -> None:
+def _check_triangle_quality(report: ValidationReport) -> None:
     """Find out whether thin triangles spoil the cotangent Laplacian."""
     if report.fatal:
         return

@@ -19,7 +19,11 @@ class PolygonError(ShapeError):
 
 
 def points_of(vertices: ArrayLike) -> Floats:
-    """The vertices as a new array. Raises PolygonError unless it is (n, 2) and finite."""
+    """The vertices as a new array. Raises PolygonError unless it is (n, 2) and finite.
+
+    >>> points_of([[0, 0], [1, 0]]).tolist()
+    [[0.0, 0.0], [1.0, 0.0]]
+    """
     try:
         points = np.array(vertices, dtype=np.float64)
     except (TypeError, ValueError):
@@ -33,7 +37,11 @@ def points_of(vertices: ArrayLike) -> Floats:
 
 
 def loops_of(loops: Sequence[ArrayLike] | None, count: int) -> tuple[Ints, ...]:
-    """The loops as arrays. Raises PolygonError unless each has three vertices and each vertex one loop."""
+    """The loops as arrays. Raises PolygonError unless each has three vertices and each vertex one loop.
+
+    >>> [loop.tolist() for loop in loops_of(None, 3)]
+    [[0, 1, 2]]
+    """
     if loops is None or len(loops) == 0:
         loops = [np.arange(count)]
     try:
@@ -60,7 +68,7 @@ def loops_of(loops: Sequence[ArrayLike] | None, count: int) -> tuple[Ints, ...]:
     return tuple(np.ascontiguousarray(loop, dtype=np.int64) for loop in made)
 
 
-def scaled(vertices: Floats) -> Floats:
+def _scaled(vertices: Floats) -> Floats:
     """The vertices times a power of two, so that their products neither underflow nor overflow; exact."""
     return np.ldexp(vertices, -int(np.frexp(np.abs(vertices).max())[1]))
 
@@ -75,24 +83,28 @@ def checked_loops(vertices: Floats, loops: tuple[Ints, ...]) -> tuple[Ints, ...]
     Raises:
         PolygonError: vertices are repeated, edges fold, cross or touch, a loop has no area, or a hole lies in
             the wrong place.
+
+    >>> square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
+    >>> [loop.tolist() for loop in checked_loops(square, (np.arange(4),))]
+    [[0, 3, 2, 1]]
     """
     successors = successors_of(loops)
-    refuse_repeated(vertices, successors)
+    _refuse_repeated(vertices, successors)
     areas = np.array([signed_area(vertices[loop]) for loop in loops])
     outer = int(np.argmax(np.abs(areas)))
     order = [outer, *(number for number in range(len(loops)) if number != outer)]
-    simple = is_simple(scaled(vertices), tuple(loops[number] for number in order))
+    simple = is_simple(_scaled(vertices), tuple(loops[number] for number in order))
     if not simple:
-        refuse_crossing(vertices, successors)
-    refuse_empty(vertices, loops, areas)
+        _refuse_crossing(vertices, successors)
+    _refuse_empty(vertices, loops, areas)
     oriented = tuple(loops[n] if (areas[n] > 0.0) == (n == outer) else _reversed(loops[n]) for n in order)
     if not simple:
-        refuse_nesting(vertices, oriented)
+        _refuse_nesting(vertices, oriented)
         raise PolygonError("the outline crosses or touches itself; move its vertices apart")
     return oriented
 
 
-def refuse_empty(vertices: Floats, loops: tuple[Ints, ...], areas: Floats) -> None:
+def _refuse_empty(vertices: Floats, loops: tuple[Ints, ...], areas: Floats) -> None:
     """Raise PolygonError if a loop encloses no area."""
     span = float(np.ptp(vertices, axis=0).max())
     for loop, area in zip(loops, areas.tolist(), strict=True):
@@ -104,20 +116,28 @@ def refuse_empty(vertices: Floats, loops: tuple[Ints, ...], areas: Floats) -> No
 
 
 def signed_area(points: Floats) -> float:
-    """Area enclosed by a loop (p, 2), positive if it runs counter-clockwise."""
+    """Area enclosed by a loop (p, 2), positive if it runs counter-clockwise.
+
+    >>> signed_area(np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]))
+    -1.0
+    """
     x, y = (points - points[0]).T
     return 0.5 * float(x[:-1] @ y[1:] - y[:-1] @ x[1:])
 
 
 def successors_of(loops: tuple[Ints, ...]) -> Ints:
-    """(n,) the vertex that follows each vertex."""
+    """(n,) the vertex that follows each vertex.
+
+    >>> successors_of((np.array([0, 2, 1]),)).tolist()
+    [2, 0, 1]
+    """
     following = np.empty(sum(map(len, loops)), dtype=np.int64)
     for loop in loops:
         following[loop[:-1]], following[loop[-1]] = loop[1:], loop[0]
     return following
 
 
-def refuse_repeated(vertices: Floats, successors: Ints) -> None:
+def _refuse_repeated(vertices: Floats, successors: Ints) -> None:
     """Raise PolygonError if two vertices are one: neighbours nearer than rounding, or any in one place."""
     sides = vertices[successors] - vertices
     smallest = TOLERANCES.side_of_outline * float(np.linalg.norm(np.ptp(vertices, axis=0)))
@@ -137,9 +157,9 @@ def refuse_repeated(vertices: Floats, successors: Ints) -> None:
         )
 
 
-def refuse_crossing(vertices: Floats, successors: Ints) -> None:
+def _refuse_crossing(vertices: Floats, successors: Ints) -> None:
     """Raise PolygonError if the outline turns back on itself, or edges cross or touch."""
-    exact = scaled(vertices)
+    exact = _scaled(vertices)
     folded = folded_vertex(exact, successors)
     if folded is not None:
         raise PolygonError(f"the outline turns back on itself at {described(vertices, folded)}; move it")
@@ -149,7 +169,7 @@ def refuse_crossing(vertices: Floats, successors: Ints) -> None:
         raise PolygonError(f"{one} crosses or touches {other}; move one of their vertices away")
 
 
-def refuse_nesting(vertices: Floats, loops: tuple[Ints, ...]) -> None:
+def _refuse_nesting(vertices: Floats, loops: tuple[Ints, ...]) -> None:
     """Raise PolygonError unless each hole lies in the outer loop and in no other; no edges may cross."""
     outlines = [shapely.polygons(vertices[loop]) for loop in loops]
     for number, loop in enumerate(loops[1:], 1):

@@ -9,14 +9,18 @@ from numpy.typing import NDArray
 from idviewer.core.arrays import Floats, Ints
 
 
-def rings_of(vertices: Floats, loops: tuple[Ints, ...]) -> NDArray[np.object_]:
+def _rings(vertices: Floats, loops: tuple[Ints, ...]) -> NDArray[np.object_]:
     """(l,) the loops as shapely's rings."""
     return np.array([shapely.linearrings(vertices[loop]) for loop in loops], dtype=object)
 
 
 def region_of(vertices: Floats, loops: tuple[Ints, ...]) -> shapely.Polygon:
-    """A polygon (n, 2) as shapely's; the outer one of its loops comes first."""
-    rings = rings_of(vertices, loops)
+    """A polygon (n, 2) as shapely's; the outer one of its loops comes first.
+
+    >>> region_of(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (np.arange(3),)).area
+    0.5
+    """
+    rings = _rings(vertices, loops)
     return shapely.polygons(rings[0], rings[1:])
 
 
@@ -35,7 +39,7 @@ def is_simple(vertices: Floats, loops: tuple[Ints, ...]) -> bool:
     """
     if not shapely.is_valid(region_of(vertices, loops)):
         return False
-    rings = rings_of(vertices, loops)
+    rings = _rings(vertices, loops)
     first, second = shapely.STRtree(rings).query(rings, predicate="intersects")
     return bool(np.all(first == second))
 
@@ -46,6 +50,9 @@ def folded_vertex(vertices: Floats, successors: Ints) -> int | None:
     Args:
         vertices: (n, 2); edge i goes from vertex i to its successor.
         successors: (n,).
+
+    >>> folded_vertex(np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), np.array([1, 2, 3, 0]))
+    1
     """
     edges = shapely.linestrings(vertices[_ends(successors)])
     folded = np.flatnonzero(~shapely.touches(edges, edges[successors]))

@@ -57,12 +57,20 @@ class PolygonSoup:
 
 
 def concatenated(rows: Sequence[Ints]) -> Ints:
-    """The rows one after the other; also where there are none."""
+    """The rows one after the other; also where there are none.
+
+    >>> concatenated([]).tolist(), concatenated([np.arange(2), np.arange(1)]).tolist()
+    ([], [0, 1, 0])
+    """
     return np.concatenate([np.empty(0, np.int64), *rows])
 
 
 def whole_numbers(values: ArrayLike) -> Ints:
-    """Values as int64. Raises ValueError if one is not a whole number."""
+    """Values as int64. Raises ValueError if one is not a whole number.
+
+    >>> whole_numbers([1.0, 2.0]).tolist()
+    [1, 2]
+    """
     array = np.asarray(values)
     if array.size == 0:
         return np.zeros(array.shape, np.int64)
@@ -74,7 +82,11 @@ def whole_numbers(values: ArrayLike) -> Ints:
 
 
 def strips(corners: Ints) -> Ints:
-    """(t, 3) triangles of one triangle strip; every other one is turned, so that all are wound alike."""
+    """(t, 3) triangles of one triangle strip; every other one is turned, so that all are wound alike.
+
+    >>> strips(np.arange(4)).tolist()
+    [[0, 1, 2], [2, 1, 3]]
+    """
     if len(corners) < 3:
         return np.empty((0, 3), np.int64)
     triangles = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])
@@ -87,6 +99,10 @@ def triangulated(polygons: PolygonSoup) -> Ints:
 
     A convex polygon becomes a fan; any other is cut into ears on the plane that fits it best. Every polygon
     of k corners gives k - 2 triangles, so no corner is lost and neighbours stay joined.
+
+    >>> square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> triangulated(PolygonSoup.of(square, [[0, 1, 2, 3]])).tolist()
+    [[0, 1, 2], [0, 2, 3]]
     """
     sizes = polygons.sizes
     if np.all(sizes == 3):

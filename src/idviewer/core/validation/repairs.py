@@ -11,7 +11,11 @@ from idviewer.core.validation.topology import component_labels, first_of_each
 
 
 def first_coincident(vertices: Floats) -> Ints:
-    """(n,) for each vertex the first one with exactly the same coordinates."""
+    """(n,) for each vertex the first one with exactly the same coordinates.
+
+    >>> first_coincident(np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 0]])).tolist()
+    [0, 1, 0]
+    """
     order = np.lexsort(vertices.T)
     ranked = vertices[order]
     fresh = np.ones(len(vertices), bool)
@@ -24,7 +28,11 @@ def first_coincident(vertices: Floats) -> Ints:
 
 
 def first_within(vertices: Floats, chosen: Ints, distance: float) -> Ints:
-    """(n,) for each vertex the first of the chosen ones joined to it by steps of at most `distance`."""
+    """(n,) for each vertex the first of the chosen ones joined to it by steps of at most `distance`.
+
+    >>> first_within(np.array([[0.0, 0, 0], [1, 0, 0], [1e-3, 0, 0]]), np.arange(3), 0.01).tolist()
+    [0, 1, 0]
+    """
     pairs = cKDTree(vertices[chosen]).query_pairs(distance, output_type="ndarray")
     number, labels = component_labels(len(chosen), pairs[:, 0], pairs[:, 1])
     result = np.arange(len(vertices))
@@ -33,13 +41,21 @@ def first_within(vertices: Floats, chosen: Ints, distance: float) -> Ints:
 
 
 def repeating_a_vertex(faces: Ints) -> Bools:
-    """(m,) which faces have the same vertex twice."""
+    """(m,) which faces have the same vertex twice.
+
+    >>> repeating_a_vertex(np.array([[0, 1, 2], [0, 1, 1]])).tolist()
+    [False, True]
+    """
     a, b, c = faces.T
     return (a == b) | (b == c) | (c == a)
 
 
 def duplicates_of_earlier(faces: Ints, either_winding: bool) -> Bools:
-    """(m,) which faces have the vertices of an earlier one, with the same winding or with either."""
+    """(m,) which faces have the vertices of an earlier one, with the same winding or with either.
+
+    >>> duplicates_of_earlier(np.array([[0, 1, 2], [1, 2, 0], [2, 1, 0]]), either_winding=False).tolist()
+    [False, True, False]
+    """
     turns = np.argmin(faces, axis=1)[:, None] + np.arange(3)
     keys = np.take_along_axis(faces, turns % 3, axis=1)
     if either_winding:
@@ -52,7 +68,12 @@ def duplicates_of_earlier(faces: Ints, either_winding: bool) -> Bools:
 
 
 def without_unused_vertices(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
-    """Without the vertices that no face uses; the order stays."""
+    """Without the vertices that no face uses; the order stays.
+
+    >>> vertices, faces = without_unused_vertices(np.eye(4)[:, :3], np.array([[0, 1, 3]]))
+    >>> len(vertices), faces.tolist()
+    (3, [[0, 1, 2]])
+    """
     used = np.zeros(len(vertices), bool)
     used[faces] = True
     if used.all():
@@ -67,7 +88,12 @@ def side_vectors(vertices: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]
 
 
 def zero_area_faces(vertices: Floats, faces: Ints) -> Bools:
-    """(m,) which faces have no area."""
+    """(m,) which faces have no area.
+
+    >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]])
+    >>> zero_area_faces(corners, np.array([[0, 1, 2], [0, 1, 3]])).tolist()
+    [True, False]
+    """
     sides = side_vectors(vertices, faces)
     longest = np.maximum.reduce([np.einsum("ij,ij->i", side, side) for side in sides])
     normals = np.cross(sides[1], sides[2])
@@ -137,7 +163,12 @@ def merged_vertices(vertices: Floats, faces: Ints, first: Ints) -> tuple[Floats,
 
 
 def volume_and_area(vertices: Floats, faces: Ints) -> tuple[float, float]:
-    """Signed volume (of a closed surface; positive if its faces wind outward) and area."""
+    """Signed volume (of a closed surface; positive if its faces wind outward) and area.
+
+    >>> corners = np.array([[0.0, 0, 0], [6, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> round(volume_and_area(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))[0], 12)
+    1.0
+    """
     centred = vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     a, b, c = (np.ascontiguousarray(centred[faces[:, corner]]) for corner in range(3))
     normals = np.cross(b - a, c - a)

@@ -17,19 +17,32 @@ from idviewer.core.arrays import Bools, Ints
 
 
 def next_half_edges(half_edges: Ints) -> Ints:
-    """The next half-edge around the same face, for each."""
+    """The next half-edge around the same face, for each.
+
+    >>> next_half_edges(np.arange(6)).tolist()
+    [1, 2, 0, 4, 5, 3]
+    """
     return half_edges + np.where(half_edges % 3 == 2, -2, 1)
 
 
 def component_labels(count: int, a: Ints, b: Ints) -> tuple[int, Ints]:
-    """Number of connected components of `count` nodes joined by the links a-b, and each node's label."""
+    """Number of connected components of `count` nodes joined by the links a-b, and each node's label.
+
+    >>> number, labels = component_labels(4, np.array([0, 2]), np.array([1, 3]))
+    >>> number, labels.tolist()
+    (2, [0, 0, 1, 1])
+    """
     graph = csr_array((np.ones(len(a), np.int8), (a, b)), shape=(count, count))
     number, labels = connected_components(graph, directed=False)
     return int(number), labels.astype(np.int64)
 
 
 def first_of_each(labels: Ints, number: int) -> Ints:
-    """The smallest index that carries each label 0 .. number - 1."""
+    """The smallest index that carries each label 0 .. number - 1.
+
+    >>> first_of_each(np.array([1, 0, 1, 0]), 2).tolist()
+    [1, 0]
+    """
     first = np.full(number, len(labels), np.int64)
     np.minimum.at(first, labels, np.arange(len(labels)))
     return first

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from idviewer.core.arrays import Bools, Floats, Ints
-from idviewer.core.validation.findings import KEPT, Finding
+from idviewer.core.validation.findings import HARMLESS_KINDS, Finding
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repairs import without_unused_vertices
 from idviewer.core.validation.topology import Topology
@@ -71,7 +71,7 @@ class ValidationReport:
     @property
     def repaired(self) -> bool:
         """Whether anything was found that a mesh may not have."""
-        return any(finding.kind not in KEPT for finding in self.findings)
+        return any(finding.kind not in HARMLESS_KINDS for finding in self.findings)
 
     def is_closed(self) -> bool:
         """Whether two faces meet in every edge; a vertex with fewer than two faces spares the sorting."""
