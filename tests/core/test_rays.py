@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -88,3 +90,17 @@ def test_a_ray_that_starts_behind_the_body_or_passes_it_meets_nothing():
     mesh = Mesh(*shapes.cube())
     for ray in (Ray((0.5, 0.5, 3.0), (0, 0, 1)), Ray((3.0, 3.0, 0.5), (1, -1, 0))):
         assert crossings(mesh, ray).points.shape == (0, 3)
+
+
+@pytest.mark.slow
+def test_a_program_that_ends_with_its_mesh_says_nothing():
+    """Nanobind complains of objects that outlive the interpreter, such as those of module-level names."""
+    program = (
+        "from idviewer.core import Mesh, read_mesh, sample_path\n"
+        "from idviewer.core.shapes.rays import Ray, crossings\n"
+        "mesh = read_mesh(sample_path('cat_2k'))\n"
+        "Mesh.one_for_ever = mesh\n"
+        "assert len(crossings(mesh, Ray(tuple(mesh.centre), (0, 0, 1))).distances) < 9\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")

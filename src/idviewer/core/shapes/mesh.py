@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, TypeVar
 
-import manifold3d
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -154,12 +153,6 @@ class Mesh:
     def patches(self) -> Patches:
         """The faces in patches that lie together; made by the first section, some 20 ms for 100,000 faces."""
         return Patches.of(self.vertices, self.faces)
-
-    @cached_property
-    def manifold(self) -> manifold3d.Manifold:
-        """The body about its centre, for manifold3d; made by the first ray, some 10 ms for 14,000 faces."""
-        corners = self.faces.astype(np.uint64)
-        return manifold3d.Manifold(manifold3d.Mesh64(self.vertices - self.centre, corners))
 
     @cached_property
     def face_areas(self) -> NDArray[np.float64]:
