@@ -68,6 +68,13 @@ def test_a_suffix_without_its_reader_says_where_that_comes_from(tmp_path):
     assert ".foo" not in readable_suffixes()
 
 
+def test_the_core_alone_names_the_way_to_files_of_vtk(tmp_path):
+    with pytest.raises(
+        MeshError, match=r"the reader of '\.vtp' files is missing \(VTK's, .*; save it as one of .off"
+    ):
+        read_mesh(file_of(tmp_path, "a.vtp"))
+
+
 @pytest.mark.parametrize("suffix", ["foo", "", "."])
 def test_suffixes_begin_with_a_dot(suffix):
     with pytest.raises(ValueError, match="begins with a dot"):

@@ -61,7 +61,7 @@ def test_suffixes_are_the_readable_ones_and_case_does_not_matter(tmp_path):
     assert read_mesh(str(write(tmp_path, ".OFF", meshfiles.off(*CUBE)))).volume == 1.0
 
 
-@pytest.mark.parametrize("variant", ["off", "obj", "ply", "ply_binary", "vtp"])
+@pytest.mark.parametrize("variant", ["off", "obj", "ply", "ply_binary"])
 def test_polygons_are_cut_into_triangles(tmp_path, variant):
     suffix, writer = meshfiles.WRITERS[variant]
     mesh = read_mesh(write(tmp_path, suffix, writer(*shapes.extruded(shapes.L_OUTLINE))))
@@ -214,7 +214,7 @@ FATAL = {
 
 @pytest.mark.one_is_quick
 @pytest.mark.parametrize(("message", "arrays"), FATAL.items(), ids=[message[:20] for message in FATAL])
-@pytest.mark.parametrize("variant", ["off", "obj", "ply_binary", "vtp"])
+@pytest.mark.parametrize("variant", ["off", "obj", "ply_binary"])
 def test_what_cannot_be_mended_is_told_in_one_line(tmp_path, variant, message, arrays):
     suffix, writer = meshfiles.WRITERS[variant]
     path = write(tmp_path, suffix, writer(*arrays))
@@ -224,7 +224,7 @@ def test_what_cannot_be_mended_is_told_in_one_line(tmp_path, variant, message, a
     assert any(finding.message.startswith(message[:20]) for finding in findings if finding.fatal)
 
 
-@pytest.mark.parametrize("variant", ["off", "ply", "ply_binary", "vtp"])
+@pytest.mark.parametrize("variant", ["off", "ply", "ply_binary"])
 def test_negative_indices_are_out_of_range(tmp_path, variant):
     suffix, writer = meshfiles.WRITERS[variant]
     message = refusal(write(tmp_path, suffix, writer(*_arrays(face=[0, 1, -1]))))
@@ -249,7 +249,7 @@ MENDED = {
 
 @pytest.mark.one_is_quick
 @pytest.mark.parametrize(("arrays", "note"), MENDED.values(), ids=list(MENDED))
-@pytest.mark.parametrize("variant", ["off", "obj", "ply", "ply_binary", "vtp"])
+@pytest.mark.parametrize("variant", ["off", "obj", "ply", "ply_binary"])
 def test_what_can_be_mended_is_and_the_mesh_says_so(tmp_path, variant, arrays, note):
     suffix, writer = meshfiles.WRITERS[variant]
     path = write(tmp_path, suffix, writer(*arrays))
@@ -261,7 +261,7 @@ def test_what_can_be_mended_is_and_the_mesh_says_so(tmp_path, variant, arrays, n
     assert [finding.note for finding in diagnosis.findings] == [note]
 
 
-@pytest.mark.parametrize("variant", ["off", "ply", "ply_binary", "vtp"])
+@pytest.mark.parametrize("variant", ["off", "ply", "ply_binary"])
 def test_points_without_faces(tmp_path, variant):
     suffix, writer = meshfiles.WRITERS[variant]
     message = refusal(write(tmp_path, suffix, writer(CUBE[0], [])))

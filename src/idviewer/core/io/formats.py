@@ -14,7 +14,6 @@ from idviewer.core.io.off import read_off
 from idviewer.core.io.outlines import read_csv, read_json, read_wkt
 from idviewer.core.io.ply import read_ply
 from idviewer.core.io.stl import read_stl
-from idviewer.core.io.vtp import read_vtp
 from idviewer.core.validation.polygon_soup import PolygonSoup
 
 
@@ -53,7 +52,7 @@ _FORMATS = {
         FileFormat(".stl", "STL", 3, lambda data, path: read_stl(data)),
         FileFormat(".glb", "GLB", 3, lambda data, path: read_glb(data)),
         FileFormat(".gltf", "glTF", 3, lambda data, path: read_gltf(data, path.parent)),
-        FileFormat(".vtp", "VTP", 3, lambda data, path: read_vtp(data)),
+        FileFormat(".vtp", "VTP", 3, None, "VTK's, which the window and the command line bring"),
         FileFormat(".csv", "CSV", 2, lambda data, element: read_csv(data)),
         FileFormat(".svg", "SVG", 2, _svg_loops),
         FileFormat(".json", "JSON", 2, lambda data, element: read_json(data)),

@@ -16,7 +16,7 @@ from idviewer.core.validation.polygon_soup import PolygonSoup
 
 
 def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mesh:
-    """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB, glTF or VTP, by its suffix.
+    """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB or glTF, by its suffix.
 
     What can be repaired is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
     notes. All objects of the file are read as one mesh; materials and textures are not looked at.
