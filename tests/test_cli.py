@@ -34,8 +34,8 @@ from idviewer.core import (
     sample_names,
 )
 from idviewer.core.coordinates import maximum_entropy
+from idviewer.session import array_cache, spectrum_cache
 from idviewer.session import eigenpair_source as eigenpairs
-from idviewer.session import spectrum_cache
 
 INSIDE, OUTSIDE = "-0.3,0.1,0.2", "0.3,4,0.2"
 QUICK = ("--distance", "euclidean")
@@ -740,7 +740,7 @@ class TestCache:
         self, run: Run, body: str, folder: Path, verb: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
     ) -> None:
         first = run(verb[0], body, *verb[1:])
-        assert [path.suffix for path in folder.iterdir()] == [spectrum_cache.SUFFIX]
+        assert [path.suffix for path in folder.iterdir()] == [array_cache.SUFFIX]
         monkeypatch.delattr(eigenpairs, "eigenpair_steps")
         assert run(verb[0], body, *verb[1:]) == first
         assert first.status == 0
