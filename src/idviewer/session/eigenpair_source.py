@@ -44,12 +44,12 @@ class EigenpairSource:
         return self._remarks if self._of is not None and self._of() is shape else ()
 
     def steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
-        """The eigenpairs that a distance needs, read or else computed."""
+        """Read the eigenpairs that a distance needs, or else compute them."""
         known = yield from self.look_up_steps(shape, distance)
         return (yield from self.compute_steps(shape, distance)) if known is None else known
 
     def look_up_steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum | None]:
-        """The eigenpairs that a distance needs, if they are kept from an earlier run."""
+        """Read the eigenpairs that a distance needs, if they are kept from an earlier run."""
         self._of, self._remarks, self._damaged = ref(shape), (), False
         if self._cache is None or not distance.spectral:
             return None
@@ -66,7 +66,7 @@ class EigenpairSource:
     def compute_steps(
         self, shape: Shape, distance: Distance, stage: str = COMPUTING, guess: float | None = None
     ) -> Generator[Progress, None, Spectrum]:
-        """Those eigenpairs by the solver; they will be kept if that is worth it.
+        """Compute those eigenpairs; they will be kept if that is worth it.
 
         Args:
             shape, distance: as above.

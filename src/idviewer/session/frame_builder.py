@@ -46,9 +46,14 @@ class FrameBuilder:
         return [self._samples.on(plane) for plane in self._planes]
 
     def coarse_to_fine(self, samples: list[PlaneSamples]) -> Generator[Result | None, None, None]:
-        """The frames. The first needs nothing but samples, so that a slider's drag is followed; where the
-        distance's own barycentroid is not known yet, the one shown before stands for it meanwhile. Nor does
-        the first wait for the exact sample of a new source. Of a preview it is the only one.
+        """Make the frames.
+
+        The first needs nothing but samples, so that a slider's drag is followed; where the distance's own
+        barycentroid is not known yet, the one shown before stands for it meanwhile. Nor does the first wait
+        for the exact sample of a new source. Of a preview it is the only one.
+
+        Args:
+            samples: of each plane, from `prepare_steps`.
         """
         levels = max((one.levels for one in samples), default=1)
         first = min((one.start for one in samples), default=0)
@@ -85,7 +90,7 @@ class FrameBuilder:
     def _frame_steps(
         self, slices: list[SampledSlice], level: int, source_rtol: float = 0.0
     ) -> Generator[None, None, Frame]:
-        """The picture of the query at a level.
+        """Make the picture of the query at a level.
 
         Args:
             slices: one for each plane.

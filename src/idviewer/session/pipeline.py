@@ -75,7 +75,7 @@ class Pipeline:
         self._last_reported: tuple[ShapeContext, int] | None = None
 
     def results(self, request: Request) -> Results:
-        """What a request asks for, piece by piece; None is a checkpoint at which to stop or go on."""
+        """Answer a request piece by piece; None is a checkpoint at which to stop or go on."""
         try:
             match request:
                 case OpenRequest():
@@ -121,7 +121,7 @@ class Pipeline:
         yield from with_progress(PREPARING_SLICES, completing)
 
     def _preview_frames(self, previews: PreviewSource, shape: Shape, query: Query) -> Results:
-        """What a preview shows; nothing where there is none, or where it has no answer."""
+        """Show what a preview has to show; nothing where there is none, or where it has no answer."""
         yield from self._kernels.steps(query.coordinates, shape)
         try:
             with small_products():
@@ -132,7 +132,7 @@ class Pipeline:
             return  # the mesh itself will answer, or tell what is wrong
 
     def _answer(self, context: ShapeContext, query: Query, view: CachedView | None = None) -> Results:
-        """The frames of a query, and before them, where it is news, that the shape is ready."""
+        """Make the frames of a query and tell before them, where it is news, that the shape is ready."""
         opened = None if view is None else view.plane
         if opened is None:  # otherwise there is something to show first
             # Others than those it was prepared with.
@@ -150,7 +150,7 @@ class Pipeline:
         yield from self._coarse_to_fine(context, query)
 
     def _coarse_to_fine(self, context: ShapeContext, query: Query) -> Results:
-        """The frames of a query whose basis is there."""
+        """Make the frames of a query whose basis is there."""
         builder = FrameBuilder(context, query)
         if not builder.is_there:
             yield from self._kernels.steps(query.coordinates, context.shape)
@@ -159,7 +159,7 @@ class Pipeline:
             yield from self._eigenpairs.with_deferred_writes(builder.coarse_to_fine(samples))
 
     def _look_up_steps(self, shape: Shape, query: Query) -> Generator[Progress, None, Cached]:
-        """What is kept of a shape from an earlier run; looked for once."""
+        """Look, once, for what is kept of a shape from an earlier run."""
         key = shape, query.distance, query.coordinates
         if self._looked_up is None or self._looked_up[0] != key:
             spectrum = yield from self._eigenpairs.look_up_steps(shape, query.distance)
@@ -193,7 +193,7 @@ class Pipeline:
         return context
 
     def _preparation(self, request: FrameRequest, cached: Cached) -> Generator[Progress, None, ShapeContext]:
-        """What a query needs of its shape before a first frame: all, or the eigenpairs that are not known."""
+        """Make what a query needs before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
         spectrum, view = cached
         if not view.is_there:
@@ -223,7 +223,7 @@ class Pipeline:
         return None if self._previews is None else self._previews.centre(request.shape)
 
     def _compute_steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
-        """Eigenpairs by the solver, which is told what a preview knows of them."""
+        """Compute eigenpairs; the solver is told what a preview knows of them."""
         preview = None if self._previews is None else self._previews.spectrum_of(shape)
         if preview is None:
             return (yield from self._eigenpairs.compute_steps(shape, distance))
@@ -253,7 +253,7 @@ def _stage(distance: Distance) -> str:
 
 
 def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> Frame:
-    """The finest, exact frame of a query, computed in this thread.
+    """Compute the finest, exact frame of a query, in this thread.
 
     Args:
         shape: a mesh or a polygon.

@@ -91,7 +91,7 @@ def _make(shape: Mesh, query: Query) -> Generator[Progress, None, ShapeContext |
 
 
 def describe_preview(share: float) -> str:
-    """What the window says of a preview's error.
+    """Say in words how wrong a preview is.
 
     >>> describe_preview(0.0163), describe_preview(0.38)
     ('Preview, error about 1.6%', 'Preview, error about 38%')

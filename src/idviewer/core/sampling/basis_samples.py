@@ -87,7 +87,7 @@ class BasisSamples:
         return remarks_on(self.solver.coordinates)
 
     def row_steps(self, point: Point, rtol: float = 0.0) -> Generator[None, None, Floats]:
-        """The basis at a point, (k,), before it is scaled; exact unless rtol is given and saves time.
+        """Sample the basis at a point, (k,), before it is scaled; exact unless rtol is given and saves time.
 
         Raises:
             SourceError: the point lies outside the shape, or has no weights.

@@ -36,7 +36,7 @@ class EdgeMidpoints:
 def interpolated(
     mesh: SliceMesh, ends: Ints, rows: Floats, significant_columns: Floats, linear_outline: bool = True
 ) -> EdgeMidpoints:
-    """The basis at the midpoints of edges, from its values at the mesh's points.
+    """Interpolate the basis at the midpoints of edges, from its values at the mesh's points.
 
     Between two nodes it is a quadratic or cubic polynomial along the lattice's line through them, as far as
     that is inside. In the band it is linear.

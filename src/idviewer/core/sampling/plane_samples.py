@@ -78,11 +78,11 @@ class PlaneSamples:
         return self._done is not None and self._done[1].final
 
     def restore(self, known: SampledSlice) -> None:
-        """Takes samples of the last level that were taken before."""
+        """Take samples of the last level that were taken before."""
         self._done = self.levels - 1, known
 
     def level_steps(self, level: int) -> Steps:
-        """The slice at a level or, if that is there, a finer one; the last is exact at every point.
+        """Sample the slice at a level or, if that is there, take a finer one; the last is exact.
 
         Yields every few milliseconds, and goes on where it was left when closed.
         """
@@ -112,7 +112,7 @@ class PlaneSamples:
         return made
 
     def _outline(self) -> Generator[None, None, None]:
-        """Samples the outline where the coordinates are not linear on edges and faces."""
+        """Sample the outline where the coordinates are not linear on edges and faces."""
         if not self._outlined:
             rows = yield from self._sample(self.section.points)
             self._outline_rows = np.where(np.isfinite(rows), rows, self._outline_rows)

@@ -56,7 +56,7 @@ class Sampler:
         return rows[:, self._columns] * self._scales[self._columns, 0]
 
     def sample_steps(self, points: ArrayLike, rtol: float) -> Generator[float, None, Floats]:
-        """The basis at points (p, 3), within rtol of the largest distance on the shape; 0 is exact.
+        """Sample the basis at points (p, 3), within rtol of the largest distance on the shape; 0 is exact.
 
         A polygon's points lie in the plane z = 0.
         """
@@ -82,7 +82,7 @@ class Sampler:
         return float(np.clip(share * ratio, self.settings.finest_rtol, self.settings.loosest_rtol))
 
     def prepare_steps(self, completely: bool = False) -> Generator[float, None, None]:
-        """What sampling needs; goes on where it was left, yields the share done every few milliseconds.
+        """Prepare what sampling needs, or go on with it; yields the share done every few milliseconds.
 
         Args:
             completely: also what only slices need whose distances are small, which takes as long again.
