@@ -3,6 +3,7 @@
 from idviewer.session.eigenpair_source import EigenpairSource
 from idviewer.session.picking import FramePicker, Probe, Target
 from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.planes import PlaneCommands, active_plane, axis_of
 from idviewer.session.previews import describe_preview
 from idviewer.session.runner import Runner, Work
 from idviewer.session.session import Session
@@ -39,6 +40,7 @@ __all__ = [
     "OpenRequest",
     "Opened",
     "Pipeline",
+    "PlaneCommands",
     "Point",
     "Probe",
     "Progress",
@@ -53,6 +55,8 @@ __all__ = [
     "State",
     "Target",
     "Work",
+    "active_plane",
+    "axis_of",
     "default_plane",
     "describe_preview",
     "run_to_end",
