@@ -1,7 +1,8 @@
 """Readers of mesh files: bytes in, polygons out. They check the file, not the mesh.
 
-trimesh's readers are not used: they take truncated files and wrong counts for smaller meshes, lose polygons,
-follow textures. A reader raises ValueError (in its own words where it can) on anything but a whole,
+trimesh's readers are not used: they take truncated STL files for empty ones, glTF buffers that are too short
+for whole ones, fans and sparse or normalised values for what they are not. A guard against that has to decode
+what the reader decodes. A reader raises ValueError (in its own words where it can) on anything but a whole,
 consistent file.
 """
 

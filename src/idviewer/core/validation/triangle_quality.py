@@ -122,7 +122,7 @@ def _excess_of_edges(cotangents: Floats, squares: Floats, faces: Ints) -> Floats
     pairs = np.lexsort(ends.T).reshape(-1, 2)
     weights = 0.5 * cotangents.ravel()[pairs].sum(axis=1)
     negative = np.minimum(cotangents.ravel()[pairs], 0.0)
-    # Angles that add up to pi are told from more by what rounding leaves of them.
+    # What rounding leaves of angles that add up to pi is no excess.
     beyond_pi = weights < -1e-9
     pairs, negative = pairs[beyond_pi], negative[beyond_pi]
     share = negative / negative.sum(axis=1, keepdims=True)
