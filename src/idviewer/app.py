@@ -16,11 +16,13 @@ from idviewer.session.runner import Work
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.view.post import Post
+from idviewer.view.vtk_files import register_vtk_reader
 from idviewer.view.window import MainWindow
 
 
 def make_window(work: Work | None = None, cache: SpectrumCache | None = None) -> MainWindow:
     """A window with a session of its own, whose requests work answers; a QApplication must exist."""
+    register_vtk_reader()
     post = Post()
     return MainWindow(Session(post, work, cache), post)
 

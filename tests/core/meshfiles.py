@@ -128,6 +128,21 @@ def gltf(vertices: Vertices, polygons: Faces) -> bytes:
     return json.dumps(tree).encode()
 
 
+def vtp(vertices: Vertices, polygons: Faces) -> bytes:
+    faces = _faces(polygons)
+    ends = np.cumsum([len(face) for face in faces]).tolist()
+    return (
+        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian">\n'
+        "<PolyData>\n"
+        f'<Piece NumberOfPoints="{len(vertices)}" NumberOfPolys="{len(faces)}">\n<Points>\n'
+        '<DataArray type="Float64" NumberOfComponents="3" format="ascii">\n'
+        f"{_lines(_numbers(vertices))}</DataArray>\n</Points>\n<Polys>\n"
+        f'<DataArray type="Int64" Name="connectivity" format="ascii">\n{_lines(faces)}</DataArray>\n'
+        f'<DataArray type="Int64" Name="offsets" format="ascii">\n{_lines([ends])}</DataArray>\n'
+        "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n"
+    ).encode()
+
+
 WRITERS: dict[str, tuple[str, Callable[[Vertices, Faces], bytes]]] = {
     "off": (".off", off),
     "obj": (".obj", obj),

@@ -57,7 +57,7 @@ def test_every_format_is_read(tmp_path, variant, shape):
 
 
 def test_suffixes_are_the_readable_ones_and_case_does_not_matter(tmp_path):
-    assert set(readable_suffixes(3)) == {suffix for suffix, _ in meshfiles.WRITERS.values()}
+    assert {suffix for suffix, _ in meshfiles.WRITERS.values()} <= set(readable_suffixes(3))
     assert read_mesh(str(write(tmp_path, ".OFF", meshfiles.off(*CUBE)))).volume == 1.0
 
 

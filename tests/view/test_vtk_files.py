@@ -31,9 +31,11 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
-from idviewer.core import Mesh, repair_mesh
-from idviewer.core.io import UnreadableError
-from idviewer.view.vtk_files import VTK_SUFFIXES, read_vtk
+from idviewer.cli import shape_info
+from idviewer.cli.parsing import shape_of
+from idviewer.core import Mesh, MeshError, read_mesh, repair_mesh
+from idviewer.core.io import UnreadableError, formats, readable_suffixes
+from idviewer.view.vtk_files import VTK_SUFFIXES, read_vtk, register_vtk_reader
 from idviewer.view.vtk_reader_process import read
 
 ASCII, BINARY, APPENDED = range(3)
@@ -269,3 +271,24 @@ def test_the_reader_is_named_without_loading_vtk():
     assert VTK_SUFFIXES == (".vtp", ".vtu", ".vtk")
     code = "import sys, idviewer.view.vtk_files; assert 'vtkmodules' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_when_registered_they_are_read_like_other_files(tmp_path, monkeypatch):
+    monkeypatch.setattr(formats, "_FORMATS", dict(formats._FORMATS))
+    path = tmp_path / "cube.vtp"
+    path.write_bytes(meshfiles.vtp(*shapes.cube()))
+    register_vtk_reader()
+    assert set(VTK_SUFFIXES) <= set(readable_suffixes(3))
+    assert read_mesh(path).volume == pytest.approx(1.0)
+    path.write_bytes(meshfiles.vtp(*shapes.cube()).replace(b"<VTKFile", b"<VTKfile"))
+    with pytest.raises(MeshError, match=r"cube\.vtp: not a whole VTP file: .*; export it again"):
+        read_mesh(path)
+
+
+def test_the_command_line_reads_them(tmp_path):
+    path = tmp_path / "cube.vtp"
+    path.write_bytes(meshfiles.vtp(*shapes.cube()))
+    text, usable = shape_info.mesh("cube", path, json=False)
+    assert usable
+    assert "12" in text
+    assert shape_of(str(path)).volume == pytest.approx(1.0)

@@ -55,7 +55,9 @@ def path_of(name: str) -> Path:
 def shape_of(name: str, component: int | None = None) -> Shape:
     """The mesh or polygon of that name; the repairs that it needed are told on standard error."""
     from idviewer.core import read_shape
+    from idviewer.view.vtk_files import register_vtk_reader
 
+    register_vtk_reader()
     shape = read_shape(path_of(name), component=component)
     for note in shape.notes:
         print(f"idviewer: {name}: {note}", file=sys.stderr)

@@ -25,7 +25,9 @@ def is_polygon(path: Path) -> bool:
 def mesh(name: str, path: Path, json: bool) -> tuple[str, bool]:
     """The report on a mesh, in words or JSON, and whether it can be used."""
     from idviewer.core.io import inspect_file
+    from idviewer.view.vtk_files import register_vtk_reader
 
+    register_vtk_reader()
     diagnosis = inspect_file(path)
     text = output.as_json({"mesh": name, **diagnosis.as_dict()}) if json else _report(name, diagnosis)
     return text, diagnosis.usable

@@ -12,11 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from idviewer.core.io import UnreadableError
+from idviewer.core.io import UnreadableError, add_reader
 from idviewer.core.validation import PolygonSoup, strips
 
 VTK_SUFFIXES = (".vtp", ".vtu", ".vtk")
 _PROGRAM = Path(__file__).with_name("vtk_reader_process.py")
+
+
+def register_vtk_reader() -> None:
+    """Have `read_mesh` and `read_shape` read VTK's files too."""
+    add_reader(VTK_SUFFIXES, read_vtk)
 
 
 def read_vtk(data: bytes, path: Path) -> PolygonSoup:

@@ -43,6 +43,7 @@ def _svg_loops(data: bytes, element: str | None) -> list[Floats]:
     return read_svg(data, element)
 
 
+_FROM_VTK = "call idviewer.view.vtk_files.register_vtk_reader, which needs VTK"
 _FORMATS = {
     one.suffix: one
     for one in (
@@ -52,7 +53,9 @@ _FORMATS = {
         FileFormat(".stl", "STL", 3, lambda data, path: read_stl(data)),
         FileFormat(".glb", "GLB", 3, lambda data, path: read_glb(data)),
         FileFormat(".gltf", "glTF", 3, lambda data, path: read_gltf(data, path.parent)),
-        FileFormat(".vtp", "VTP", 3, None, "VTK's, which the window and the command line bring"),
+        FileFormat(".vtp", "VTP", 3, None, _FROM_VTK),
+        FileFormat(".vtu", "VTU", 3, None, _FROM_VTK),
+        FileFormat(".vtk", "VTK", 3, None, _FROM_VTK),
         FileFormat(".csv", "CSV", 2, lambda data, element: read_csv(data)),
         FileFormat(".svg", "SVG", 2, _svg_loops),
         FileFormat(".json", "JSON", 2, lambda data, element: read_json(data)),
