@@ -52,7 +52,7 @@ class Filling:
     @property
     def inner(self) -> slice:
         """The points that are not on the outline."""
-        return slice(len(self.mesh.section.flat), None)
+        return slice(len(self.mesh.section.in_plane), None)
 
     def embed(self, solver: InteriorDistance) -> Floats:
         """(p, k) the points' images; where rounding puts one of the outline outside, between its ends'."""

@@ -50,7 +50,7 @@ def outline(mesh: Mesh, plane: Plane) -> tuple[dict[Edge, np.ndarray], list[list
 def lattice_nodes(cut: Section, spacing: float) -> set[tuple[int, int]]:
     """Corners of the cells with their centre inside and no quarter-cell step of the outline near."""
     segments = [
-        (cut.flat[a] / spacing, cut.flat[b] / spacing)
+        (cut.in_plane[a] / spacing, cut.in_plane[b] / spacing)
         for loop in cut.loops
         for a, b in zip(loop, np.roll(loop, -1), strict=True)
     ]

@@ -62,7 +62,7 @@ def test_outlines_equal_those_of_the_slow_twin(name, rng):
             np.testing.assert_allclose(point, points[tuple(edge)], atol=1e-14 * mesh.diagonal)
         ours = [list(map(tuple, cut.edges[loop].tolist())) for loop in cut.loops]
         where = {edge: at for at, edge in enumerate(map(tuple, cut.edges.tolist()))}
-        theirs = [without_repeats(loop, cut.flat, where) for loop in loops]
+        theirs = [without_repeats(loop, cut.in_plane, where) for loop in loops]
         assert sorted(map(from_the_smallest, ours)) == sorted(
             from_the_smallest(loop) for loop in theirs if len(loop) >= 3
         )
@@ -128,7 +128,7 @@ def test_slice_meshes_fill_the_section_exactly(name, samples, rng):
         )
         assert areas.min() >= -1e-15 * cut.area
         assert areas.sum() == pytest.approx(cut.area, rel=1e-9)
-        np.testing.assert_allclose(filled.points[: len(cut.flat)], cut.points, atol=0)
+        np.testing.assert_allclose(filled.points[: len(cut.in_plane)], cut.points, atol=0)
         if len(filled.nodes):
             assert (winding_numbers(mesh, filled.node_points) > 0.5).all()
 
@@ -151,7 +151,7 @@ def drawn(*rectangles: tuple[float, float, float, float]) -> Section:
 def test_specks_far_from_each_other_take_no_more_memory_than_near_ones(size):
     cut = drawn((0, 0, size, size), (1, 1, size, size), (0, 1, size, size))
     filled = slice_mesh(cut, spacing_for(cut, 1000))
-    flat = np.concatenate([cut.flat, filled.nodes * filled.spacing])
+    flat = np.concatenate([cut.in_plane, filled.nodes * filled.spacing])
     assert len(filled.nodes) == 0 if size < 1e-9 else 600 < len(filled.nodes) < 1200
     assert signed_areas(flat, filled.triangles).min() >= 0
     assert signed_areas(flat, filled.triangles).sum() == pytest.approx(cut.area, rel=1e-6)

@@ -233,7 +233,7 @@ class TestSession:
 def test_short_edges_are_not_divided():
     (one,) = frames_of(RING, Query())[-1].slices
     count = len(np.concatenate(one.outline))
-    assert count == len(polygon_section(RING).flat) == len(RING.vertices)
+    assert count == len(polygon_section(RING).in_plane) == len(RING.vertices)
     np.testing.assert_allclose(one.points[:count, :2], RING.vertices, atol=1e-15)
 
 

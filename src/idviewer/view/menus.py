@@ -21,16 +21,16 @@ class Entry(NamedTuple):
 
 NO_3D_VIEWS_TIP = "A polygon is in_2d and looked straight down on"
 NO_SLICES_TIP = "A polygon is in_2d: all of it is shown, and nothing is sliced"
-SEPARATOR, SAMPLES_MENU = Entry("", ""), Entry("samples", "Open &sample")
+MENU_SEPARATOR, SAMPLES_MENU = Entry("", ""), Entry("samples", "Open &sample")
 MENUS: dict[str, tuple[Entry, ...]] = {
     "&File": (
         Entry("open", "&Open…", "Ctrl+O"),
         SAMPLES_MENU,
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("picture", "&Save picture…", "Ctrl+S"),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("clear_cache", "&Clear cache"),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("quit", "&Quit", "Ctrl+Q"),
     ),
     "&Edit": (
@@ -39,7 +39,7 @@ MENUS: dict[str, tuple[Entry, ...]] = {
     ),
     "&View": (
         Entry("reset", "&Reset view", "R"),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("front", "&Front", "1", in_2d=False),
         Entry("back", "&Back", "2", in_2d=False),
         Entry("left", "&Left", "3", in_2d=False),
@@ -48,7 +48,7 @@ MENUS: dict[str, tuple[Entry, ...]] = {
         Entry("bottom", "B&ottom", "6", in_2d=False),
         Entry("face", "Face the &plane", "0", in_2d=False),
         Entry("upright", "Another axis &upwards", "A", in_2d=False),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("handle", "Show or hide the &handles", "H"),
         Entry("controls", "Show &controls", "F9"),
     ),
@@ -57,12 +57,12 @@ MENUS: dict[str, tuple[Entry, ...]] = {
         Entry("plane_y", "Normal to &y", "Y", in_2d=False),
         Entry("plane_z", "Normal to &z", "Z", in_2d=False),
         Entry("through", "&Through the source", "T", in_2d=False),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("forward", "Push &forward", "PgUp", in_2d=False),
         Entry("backward", "Push &backward", "PgDown", in_2d=False),
         Entry("far_forward", "Push far forward", "Shift+PgUp", in_2d=False),
         Entry("far_backward", "Push far backward", "Shift+PgDown", in_2d=False),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("add_plane", "&Add a plane", "Ctrl+N", in_2d=False),
         Entry("remove_plane", "&Remove the plane", "Ctrl+Backspace", in_2d=False),
     ),
@@ -70,7 +70,7 @@ MENUS: dict[str, tuple[Entry, ...]] = {
         Entry("at_barycentroid", "&Source at the barycentroid", "Shift+B"),
         Entry("barycentroid", "Show or hide the &barycentroid", "B"),
         Entry("quantity", "Distance or &potential", "U"),
-        SEPARATOR,
+        MENU_SEPARATOR,
         Entry("cancel", "&Cancel", "Esc"),
         Entry("resume", "Compute &again", "F5"),
     ),
@@ -97,7 +97,7 @@ def fill_menu_bar(
         menu = window.menuBar().addMenu(title)
         menu.setToolTipsVisible(True)
         for entry in entries:
-            if entry is SEPARATOR:
+            if entry is MENU_SEPARATOR:
                 menu.addSeparator()
             elif entry is SAMPLES_MENU:
                 _add_samples(menu.addMenu(entry.text), samples, open_sample)

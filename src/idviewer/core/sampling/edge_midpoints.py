@@ -48,7 +48,7 @@ def interpolated(
         significant_columns: (p, c) values there that tell what an error in the rows counts.
         linear_outline: whether rows are linear along the outline, so that interpolating there costs nothing.
     """
-    lattice = ends[:, 0] >= len(mesh.section.flat)
+    lattice = ends[:, 0] >= len(mesh.section.in_plane)
     points, bend = _bend(mesh, ends, lattice)
     middle, steep = 0.0 - bend, bend.copy()
     middle[:, :2] += 0.5
@@ -77,7 +77,7 @@ def _bend(mesh: SliceMesh, ends: Ints, lattice: Bools) -> tuple[Ints, Floats]:
     Returns:
         (e, 4) an edge's two ends, and the nodes beyond them; (e, 4) their coefficients, 0 off the lattice.
     """
-    first = len(mesh.section.flat)
+    first = len(mesh.section.in_plane)
     points = np.concatenate([ends, ends], axis=1)
     coefficients = np.zeros(points.shape)
     tails, heads = (mesh.nodes[ends[lattice, side] - first] for side in (0, 1))
@@ -104,7 +104,7 @@ def _find(nodes: Ints, wanted: Ints) -> Ints:
 def _on_outline(mesh: SliceMesh, ends: Ints) -> Bools:
     """Which edges (smaller end first) are sides of the outline."""
     starts, stops = mesh.section.segments
-    follower = np.full(len(mesh.section.flat), -1)
+    follower = np.full(len(mesh.section.in_plane), -1)
     follower[starts] = stops
     result = np.zeros(len(ends), dtype=np.bool_)
     both = np.flatnonzero(ends[:, 1] < len(follower))
@@ -115,13 +115,13 @@ def _on_outline(mesh: SliceMesh, ends: Ints) -> Bools:
 
 def midpoints_of(mesh: SliceMesh, ends: Ints) -> Floats:
     """(e, 2) the midpoints of edges in the plane's basis."""
-    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
+    flat = np.concatenate([mesh.section.in_plane, mesh.nodes * mesh.spacing])
     return 0.5 * (flat[ends[:, 0]] + flat[ends[:, 1]])
 
 
 def lengths(mesh: SliceMesh, ends: Ints) -> Floats:
     """(e,) the edges' lengths in lattice constants, the longest cut to 2."""
-    flat = np.concatenate([mesh.section.flat, mesh.nodes * mesh.spacing])
+    flat = np.concatenate([mesh.section.in_plane, mesh.nodes * mesh.spacing])
     return np.minimum(np.linalg.norm(flat[ends[:, 1]] - flat[ends[:, 0]], axis=1) / mesh.spacing, 2.0)
 
 

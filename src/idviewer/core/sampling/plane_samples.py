@@ -140,7 +140,7 @@ class PlaneSamples:
 
     def _keys_between(self, mesh: SliceMesh, ends: Ints, level: int) -> Ints:
         """Numbers of the midpoints of edges: of lattice edges those of nodes, of the others negative ones."""
-        count, finer = len(mesh.section.flat), self._settings.lattices - level
+        count, finer = len(mesh.section.in_plane), self._settings.lattices - level
         lattice, chord = ends[:, 0] >= count, ends[:, 1] < count
         keys = -1 - (ends @ np.array([count, 1]))
         across = ~(lattice | chord)

@@ -37,7 +37,7 @@ class Lattice:
     @classmethod
     def inside(cls, section: Section, spacing: float) -> Lattice:
         """The cells of a lattice that are inside a section and a margin away from its outline."""
-        scaled = section.flat / spacing
+        scaled = section.in_plane / spacing
         lowest = np.floor(scaled.min(axis=0)).astype(np.int64) - 1
         stride = int(np.ceil(scaled[:, 1].max())) + 2 - int(lowest[1])
         scaled -= lowest

@@ -27,7 +27,7 @@ class Section:
         plane: the plane.
         edges: (s, 2) vertex indices a, b of the mesh edge that each outline point lies on.
         fractions: (s,) t, where on that edge.
-        flat: (s, 2) the points' coordinates in the plane's basis, about its origin.
+        in_plane: (s, 2) the points' in-plane coordinates: in the plane's basis, about its origin.
         loops: index arrays into the points, one closed loop each, the body on the left as seen
             against the normal (outer loops counterclockwise, holes clockwise).
     """
@@ -35,18 +35,18 @@ class Section:
     plane: Plane
     edges: Ints
     fractions: Floats
-    flat: Floats
+    in_plane: Floats
     loops: tuple[Ints, ...]
 
     @property
     def points(self) -> Floats:
         """(s, 3) positions of the outline points."""
-        return self.lift(self.flat)
+        return self.lift(self.in_plane)
 
     @property
     def area(self) -> float:
         """Area of the section, in the mesh's unit squared."""
-        return float(sum(_signed_area(self.flat[loop]) for loop in self.loops))
+        return float(sum(_signed_area(self.in_plane[loop]) for loop in self.loops))
 
     @property
     def segments(self) -> tuple[Ints, Ints]:
@@ -56,9 +56,9 @@ class Section:
         closed = [(loop, loop[1:], loop[:1]) for loop in self.loops]
         return np.concatenate(self.loops), np.concatenate([part for loop in closed for part in loop[1:]])
 
-    def lift(self, flat: ArrayLike) -> Floats:
+    def lift(self, in_plane: ArrayLike) -> Floats:
         """(p, 2) coordinates in the plane's basis to (p, 3) positions."""
-        return np.array(self.plane.origin) + np.asarray(flat, dtype=np.float64) @ self.plane.basis
+        return np.array(self.plane.origin) + np.asarray(in_plane, dtype=np.float64) @ self.plane.basis
 
     def interpolate(self, values: Floats) -> Floats:
         """Values (n, k) given at the mesh's vertices, on the outline: (s, k), exact."""
@@ -95,12 +95,12 @@ def section(mesh: MeshLike, plane: Plane) -> Section:
     order = np.argsort(keys)
     follower = np.searchsorted(keys[order], (corners[rising_tails] * n + corners[rising_heads])[order])
     edges = corners[np.stack([bottoms[order], tops[order]], axis=1)]
-    fractions, flat = _where_crossed(mesh.vertices[edges], plane)
-    return Section(plane, edges, fractions, flat, _loops(follower, flat))
+    fractions, in_plane = _where_crossed(mesh.vertices[edges], plane)
+    return Section(plane, edges, fractions, in_plane, _loops(follower, in_plane))
 
 
 def _where_crossed(ends: Floats, plane: Plane) -> tuple[Floats, Floats]:
-    """Where edges with ends (s, 2, 3) below and above a plane cross it: fractions and flat coordinates."""
+    """Fractions and in-plane coordinates where edges with ends (s, 2, 3) below and above a plane cross it."""
     low, high = heights(np.moveaxis(ends, 2, 0), plane).T
     fractions = low / (low - high)
     share = fractions[:, None]
@@ -119,10 +119,10 @@ def _passage(above: NDArray[np.bool_]) -> tuple[Ints, Ints]:
     return first + corner, first + FOLLOWING[corner]
 
 
-def _loops(follower: Ints, flat: Floats) -> tuple[Ints, ...]:
+def _loops(follower: Ints, in_plane: Floats) -> tuple[Ints, ...]:
     """The closed loops, without points equal to the one before (cuts through a vertex make them)."""
     moves = np.empty(len(follower), dtype=np.bool_)
-    moves[follower] = (flat[follower] != flat).any(axis=1)
+    moves[follower] = (in_plane[follower] != in_plane).any(axis=1)
     loops = cycles_of(follower)
     if not moves.all():
         loops = [loop[moves[loop]] for loop in loops]

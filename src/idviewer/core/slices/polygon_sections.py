@@ -29,7 +29,7 @@ def polygon_section(polygon: PolygonLike, longest: float = math.inf) -> Section:
         ValueError: longest is not positive.
 
     >>> square = polygon_section(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]]), 0.5)
-    >>> square.area, len(square.flat), square.fractions[:3].tolist()
+    >>> square.area, len(square.in_plane), square.fractions[:3].tolist()
     (1.0, 8, [0.0, 0.5, 0.0])
     """
     polygon = as_polygon(polygon)
@@ -43,10 +43,10 @@ def polygon_section(polygon: PolygonLike, longest: float = math.inf) -> Section:
     edges = polygon.edges[edge]
     share = fractions[:, None]
     near = polygon.vertices - np.array(plane.origin[:2])
-    flat = ((1.0 - share) * near[edges[:, 0]] + share * near[edges[:, 1]]) @ plane.basis[:, :2].T
+    in_plane = ((1.0 - share) * near[edges[:, 0]] + share * near[edges[:, 1]]) @ plane.basis[:, :2].T
     within = [np.arange(start, start + count) for start, count in zip(first, parts, strict=True)]
     loops = tuple(np.concatenate([within[vertex] for vertex in loop]) for loop in polygon.loops)
-    return Section(plane, edges, fractions, flat, loops)
+    return Section(plane, edges, fractions, in_plane, loops)
 
 
 def _origin(polygon: Polygon) -> tuple[float, float]:

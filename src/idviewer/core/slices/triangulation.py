@@ -45,7 +45,7 @@ class SliceMesh:
     @property
     def points(self) -> Floats:
         """(s + q, 3) positions: the outline, then the nodes."""
-        return self.section.lift(np.concatenate([self.section.flat, self.nodes * self.spacing]))
+        return self.section.lift(np.concatenate([self.section.in_plane, self.nodes * self.spacing]))
 
     @property
     def node_points(self) -> Floats:
@@ -74,7 +74,7 @@ def slice_mesh(section: Section, spacing: float) -> SliceMesh:
     lattice = Lattice.inside(section, spacing)
     stairs = [stair[::-1] for stair in lattice.staircases()]
     band = _fill(section, stairs, np.multiply(lattice.nodes, spacing, dtype=np.float64))
-    triangles = np.concatenate([band, lattice.triangles() + np.int32(len(section.flat))])
+    triangles = np.concatenate([band, lattice.triangles() + np.int32(len(section.in_plane))])
     return SliceMesh(section, spacing, lattice.nodes, triangles)
 
 
@@ -83,8 +83,8 @@ def spacing_for(section: Section, samples: int) -> float:
     if not section.loops:
         return 0.0
     starts, ends = section.segments
-    length = float(np.abs(section.flat[ends] - section.flat[starts]).sum())
-    extent = float((section.flat.max(axis=0) - section.flat.min(axis=0)).max())
+    length = float(np.abs(section.in_plane[ends] - section.in_plane[starts]).sum())
+    extent = float((section.in_plane.max(axis=0) - section.in_plane.min(axis=0)).max())
     return max(
         math.sqrt(max(section.area, 0.0) / samples), length / (STEPS * samples), extent / LARGEST_LATTICE
     )
@@ -152,11 +152,11 @@ _PATTERNS = {
 
 def _fill(section: Section, stairs: list[Ints], nodes: Floats) -> Ints32:
     """Triangulate the band between the outline and staircases (clockwise) of (q, 2) nodes."""
-    loops = [*section.loops, *(stair + len(section.flat) for stair in stairs)]
-    flat = np.concatenate([section.flat, nodes])
+    loops = [*section.loops, *(stair + len(section.in_plane) for stair in stairs)]
+    flat = np.concatenate([section.in_plane, nodes])
     band, first = np.concatenate(loops), np.cumsum([0, *map(len, loops)])
     # About the region's middle and in its own unit, so that rounding and tolerances mean the same anywhere.
-    lowest, highest = section.flat.min(axis=0), section.flat.max(axis=0)
+    lowest, highest = section.in_plane.min(axis=0), section.in_plane.max(axis=0)
     scaled = (flat[band] - 0.5 * (lowest + highest)) / float((highest - lowest).max())
     triangles = cut_ears(scaled, first)
     if triangles is None:
