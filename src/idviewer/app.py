@@ -12,9 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from idviewer.core import sample_path
 from idviewer.core.io import DEFAULT_SAMPLE
-from idviewer.session.runner import Work
-from idviewer.session.session import Session
-from idviewer.session.spectrum_cache import SpectrumCache
+from idviewer.session import Session, SpectrumCache, Work
 from idviewer.view.post import Post
 from idviewer.view.vtk_files import register_vtk_reader
 from idviewer.view.window import MainWindow

@@ -15,9 +15,7 @@ from idviewer.cli.options import DisplayOptions, Endpoints, PictureQuery
 if TYPE_CHECKING:
     from idviewer.cli.parsing import Point
     from idviewer.core import Distance, InteriorDistance, Shape
-    from idviewer.session.pipeline import Pipeline
-    from idviewer.session.spectrum_cache import SpectrumCache
-    from idviewer.session.state import Frame, Query
+    from idviewer.session import Frame, Pipeline, Query, SpectrumCache
 
     ChosenDistance = tuple[Distance, str]
     """A distance on the boundary, and the name of the coordinates that interpolate it inside."""
@@ -25,7 +23,7 @@ if TYPE_CHECKING:
 
 def cache_of(no_cache: bool) -> SpectrumCache | None:
     """The user's cache of eigenpairs; None if that is not wanted."""
-    from idviewer.session.spectrum_cache import SpectrumCache
+    from idviewer.session import SpectrumCache
 
     return None if no_cache else SpectrumCache.of_user()
 
@@ -104,7 +102,7 @@ def solver_of(shape: Shape, chosen: ChosenDistance, cache: SpectrumCache | None)
     """The solver of a shape, with its eigenpairs read or computed; `print_remarks` says what it warns of."""
     from idviewer.core import InteriorDistance
     from idviewer.core.steps import finish
-    from idviewer.session.eigenpair_source import EigenpairSource
+    from idviewer.session import EigenpairSource
 
     _print_progress("computing the embedding; the first run also compiles kernels ...")
     distance, coordinates = chosen
@@ -145,10 +143,10 @@ def distance_as_json(solver: InteriorDistance) -> dict[str, Any]:
 
 def check_picture(picture: PictureQuery, options: DisplayOptions) -> None:
     """Refuse what cannot be drawn, before anything is read or computed."""
-    from idviewer.session.state import MAX_ISOLINES
-
     parsing.source_of(picture.source)
     parsing.size_of(options.size)
+    from idviewer.session import MAX_ISOLINES
+
     if not 0 <= options.isolines <= MAX_ISOLINES:
         raise ValueError(f"--isolines {options.isolines}: 0 to {MAX_ISOLINES} can be drawn")
     if not 0.0 <= options.opacity <= 1.0:
@@ -165,7 +163,7 @@ def draw_picture(
 ) -> None:
     """Compute a picture and write it."""
     parsing.need_picture_libraries()
-    from idviewer.session.state import Display, State
+    from idviewer.session import Display, State
     from idviewer.view.images import write_image
 
     query = query_of(shape, chosen, picture)
@@ -185,7 +183,7 @@ def draw_picture(
 def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Query:
     """The query of a picture, checked against the shape."""
     from idviewer.core import Plane
-    from idviewer.session.state import Query
+    from idviewer.session import Query
 
     if shape.dimension == 2 and picture.plane:
         raise ValueError(f"--plane {picture.plane[0]}: a polygon is shown whole; leave the plane out")
@@ -200,8 +198,7 @@ def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Que
 def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:
     """The exact frame of a query; of a mesh without a plane, on the one that the window shows first."""
     from idviewer.core import Plane
-    from idviewer.session import default_plane
-    from idviewer.session.pipeline import Pipeline
+    from idviewer.session import Pipeline, default_plane
 
     pipeline = Pipeline(cache)
     if shape.dimension == 3 and not query.planes:
@@ -212,7 +209,7 @@ def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:
 
 def _finest(pipeline: Pipeline, shape: Shape, query: Query) -> Frame:
     """The exact frame of a query; a person who waits at a terminal is told the stages."""
-    from idviewer.session.state import Failure, Frame, FrameRequest, Progress
+    from idviewer.session import Failure, Frame, FrameRequest, Progress
 
     frame, last_stage = None, ""
     for result in pipeline.results(FrameRequest(shape, query)):

@@ -9,6 +9,7 @@ from idviewer.session.runner import Runner, Work
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
+    MAX_ISOLINES,
     Display,
     DropRequest,
     Failure,
@@ -29,6 +30,7 @@ from idviewer.session.state import (
 )
 
 __all__ = [
+    "MAX_ISOLINES",
     "Display",
     "DropRequest",
     "EigenpairSource",

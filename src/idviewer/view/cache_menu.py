@@ -8,7 +8,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
 from idviewer.core.memory import bytes_in_words
-from idviewer.session.spectrum_cache import SpectrumCache
+from idviewer.session import SpectrumCache
 
 NO_CACHE_TIP = "The program was started without a cache"
 

@@ -25,7 +25,7 @@ from idviewer.view.scene import POINTS_PER_INCH, Scene
 
 if TYPE_CHECKING:
     from idviewer.core import Plane, Shape
-    from idviewer.session.state import Frame, State
+    from idviewer.session import Frame, State
 
 Point = tuple[float, float, float]
 Camera = Sequence[Sequence[float]]

@@ -20,7 +20,7 @@ from idviewer.view.shaders import (
 )
 
 if TYPE_CHECKING:
-    from idviewer.session.state import Frame
+    from idviewer.session import Frame
 
 SOURCE_COLOR = (0.02, 0.02, 0.03)
 BARYCENTROID_COLOR = (0.10, 0.30, 0.95)

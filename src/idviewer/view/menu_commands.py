@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from idviewer.session.planes import PlaneCommands
-from idviewer.session.session import Session
+from idviewer.session import PlaneCommands, Session
 from idviewer.view.viewport import Viewport
 
 NUDGE_SHARE, FAR_NUDGE_SHARE = 0.01, 0.1

@@ -23,8 +23,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from idviewer.session.planes import PlaneCommands
-from idviewer.session.state import MAX_ISOLINES, Frame, Point, State
+from idviewer.session import MAX_ISOLINES, Frame, PlaneCommands, Point, State
 from idviewer.view.colormaps import COLORMAPS
 from idviewer.view.coordinate_text import format_coordinate
 from idviewer.view.panel_distance import DistanceGroup

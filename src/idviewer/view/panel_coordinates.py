@@ -10,7 +10,7 @@ from PySide6.QtGui import QStandardItemModel
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QWidget
 
 from idviewer.core.coordinates import COORDINATES, Coordinates, Property
-from idviewer.session.state import State
+from idviewer.session import State
 from idviewer.view.parameter_rows import choice
 
 

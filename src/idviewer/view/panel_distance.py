@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QGroupBox, QVBoxLayout
 
 from idviewer.core import DISTANCES, Distance, Shape, parameters_of
 from idviewer.core.distances import File, Formula, missing
-from idviewer.session.state import Frame, State
+from idviewer.session import Frame, State
 from idviewer.view.panel_coordinates import CoordinatesRow, fit
 from idviewer.view.parameter_rows import Row, choice, row_for
 from idviewer.view.polygon_view import is_2d

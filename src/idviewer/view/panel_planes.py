@@ -21,8 +21,7 @@ from PySide6.QtWidgets import (
 
 from idviewer.core import Plane, Shape
 from idviewer.core.shapes import AXES
-from idviewer.session.planes import PlaneCommands, active_plane, axis_of
-from idviewer.session.state import Frame, State
+from idviewer.session import Frame, PlaneCommands, State, active_plane, axis_of
 from idviewer.view.coordinate_text import format_plane
 
 SLIDER_STEPS = 1000

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from idviewer.core import PolygonError
 from idviewer.core.arrays import Floats
-from idviewer.session.session import Session
+from idviewer.session import Session
 from idviewer.view.message_bar import MessageBar
 
 MAX_UNDO_STEPS = 500

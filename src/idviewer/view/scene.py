@@ -8,7 +8,7 @@ import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 
 from idviewer.core import Mesh, Polygon
-from idviewer.session.state import Display
+from idviewer.session import Display
 from idviewer.view.body_actor import BodyActor
 from idviewer.view.colormaps import colors, lookup_table
 from idviewer.view.markers import Markers
@@ -20,7 +20,7 @@ from idviewer.view.slice_actor import SliceActor
 
 if TYPE_CHECKING:
     from idviewer.core import Shape
-    from idviewer.session.state import Frame, State
+    from idviewer.session import Frame, State
 
 BACKGROUND_BOTTOM, BACKGROUND_TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
 """The background, shaded from below to above."""

@@ -9,9 +9,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QStatusBar, QWidget
 
 from idviewer.core import Shape
-from idviewer.session import describe_preview
-from idviewer.session.picking import Probe
-from idviewer.session.state import Frame, Progress, Ready
+from idviewer.session import Frame, Probe, Progress, Ready, describe_preview
 from idviewer.view.polygon_view import is_2d
 
 PROGRESS_DELAY_MS = 150

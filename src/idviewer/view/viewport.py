@@ -14,8 +14,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from idviewer.core import Plane, Polygon
 from idviewer.core.arrays import in_space
-from idviewer.session.planes import active_plane
-from idviewer.session.state import Frame, Point, State
+from idviewer.session import Frame, Point, State, active_plane
 from idviewer.view.camera import Pose, Projection, View
 from idviewer.view.camera_controller import CameraController
 from idviewer.view.handle_geometry import Handle, Part

@@ -14,9 +14,7 @@ from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QW
 from idviewer.core import DistanceError, MeshError, Shape, ShapeError, sample_names, sample_path
 from idviewer.core.sampling import SourceError
 from idviewer.core.shapes import Ray
-from idviewer.session.planes import PlaneCommands
-from idviewer.session.session import Session
-from idviewer.session.state import Frame, Progress, State
+from idviewer.session import Frame, PlaneCommands, Progress, Session, State
 from idviewer.view import dialogs, images
 from idviewer.view.cache_menu import clear_cache, show_cache_size
 from idviewer.view.dialogs import PictureRequest
