@@ -16,13 +16,13 @@ from cyclopts import App, CycloptsError
 import idviewer
 from idviewer.cli import commands, distance_options, output, parsing
 from idviewer.cli.options import (
-    Component,
     DisplayOptions,
     DistanceOptions,
     Endpoints,
     Flag,
     NoCache,
     PictureQuery,
+    ReadingOptions,
 )
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
@@ -77,22 +77,19 @@ def render(
     query: PictureQuery = PictureQuery(),
     options: DistanceOptions = DistanceOptions(),
     display: DisplayOptions = DisplayOptions(),
-    component: Component = None,
-    no_cache: NoCache = False,
+    reading: ReadingOptions = ReadingOptions(),
 ) -> None:
     """Draw a picture into a PNG file; needs no display.
 
     Args:
         shape: A file, or the name of a bundled shape.
         out: The picture.
-        component: Which of a mesh's components to take, 1 for the largest.
-        no_cache: Neither read nor keep eigenpairs on disk.
     """
     parsing.check_picture_path(out)
     commands.check_picture(query, display)
     chosen = distance_options.chosen_distance(options)
-    cache = commands.cache_of(no_cache)
-    commands.draw_picture(parsing.shape_of(shape, component), out, chosen, query, display, cache)
+    cache = commands.cache_of(reading.no_cache)
+    commands.draw_picture(parsing.shape_of(shape, reading.component), out, chosen, query, display, cache)
 
 
 @app.command
@@ -102,16 +99,13 @@ def distance(
     *,
     endpoints: Endpoints = Endpoints(),
     options: DistanceOptions = DistanceOptions(),
-    component: Component = None,
-    no_cache: NoCache = False,
+    reading: ReadingOptions = ReadingOptions(),
     json: Flag = False,
 ) -> None:
     """Print the interior distance of two points, or of many from one.
 
     Args:
         shape: A file, or the name of a bundled shape.
-        component: Which of a mesh's components to take, 1 for the largest.
-        no_cache: Neither read nor keep eigenpairs on disk.
         json: Print JSON.
     """
     named = {name for name, value in vars(endpoints).items() if value is not None}
@@ -125,8 +119,8 @@ def distance(
             "(X,Y in a polygon)"
         )
     chosen = distance_options.chosen_distance(options)
-    cache = commands.cache_of(no_cache)
-    print(answer(endpoints, lambda: parsing.shape_of(shape, component), chosen, cache, json))
+    cache = commands.cache_of(reading.no_cache)
+    print(answer(endpoints, lambda: parsing.shape_of(shape, reading.component), chosen, cache, json))
 
 
 @app.command
@@ -135,20 +129,19 @@ def barycentroid(
     /,
     *,
     options: DistanceOptions = DistanceOptions(),
-    component: Component = None,
-    no_cache: NoCache = False,
+    reading: ReadingOptions = ReadingOptions(),
     json: Flag = False,
 ) -> None:
     """Print the point inside whose mean squared distance to the boundary is smallest.
 
     Args:
         shape: A file, or the name of a bundled shape.
-        component: Which of a mesh's components to take, 1 for the largest.
-        no_cache: Neither read nor keep eigenpairs on disk.
         json: Print JSON.
     """
     chosen = distance_options.chosen_distance(options)
-    solver = commands.solver_of(parsing.shape_of(shape, component), chosen, commands.cache_of(no_cache))
+    solver = commands.solver_of(
+        parsing.shape_of(shape, reading.component), chosen, commands.cache_of(reading.no_cache)
+    )
     found = solver.barycentroid()
     commands.print_remarks(commands.remarks_on_weights(solver))
     if json:

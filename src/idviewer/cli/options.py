@@ -22,7 +22,6 @@ ParameterTexts = Annotated[
     Parameter(allow_leading_hyphen=True, negative="", show_default=False, metavar="NAME=VALUE"),
 ]
 NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
-Component = Annotated[int | None, Parameter(metavar="N")]
 
 
 @Parameter(name="*")
@@ -95,3 +94,17 @@ class Endpoints:
     to: PointText = None
     source: Annotated[str | None, SOURCE_OPTION] = None
     points: Annotated[Path | None, Parameter(metavar="FILE.csv")] = None
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ReadingOptions:
+    """How a shape and its eigenpairs are read.
+
+    Attributes:
+        component: Which of a mesh's components to take, 1 for the largest.
+        no_cache: Neither read nor keep eigenpairs on disk.
+    """
+
+    component: Annotated[int | None, Parameter(metavar="N")] = None
+    no_cache: NoCache = False
