@@ -12,8 +12,9 @@ from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLRenderWindow
 
+from idviewer.view.glass_shaders import GLASS_SURFACE, TRANSLUCENT_SURFACE
 from idviewer.view.polydata import Place, as_cells, layer
-from idviewer.view.shaders import BACK_DEPTH_RANGE, DEPTH_ONLY, GLASS_SURFACE, TRANSLUCENT_SURFACE
+from idviewer.view.shaders import BACK_DEPTH_RANGE, DEPTH_ONLY
 
 if TYPE_CHECKING:
     from idviewer.core import Mesh

@@ -9,15 +9,9 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 
 from idviewer.view.body_actor import transparency
+from idviewer.view.marker_shaders import BALL, BALL_AT_FRONT
 from idviewer.view.polydata import as_cells, as_points, layer
-from idviewer.view.shaders import (
-    BACK_DEPTH_RANGE,
-    BALL,
-    BALL_AT_FRONT,
-    FRONT_DEPTH_RANGE,
-    Shader,
-    set_uniforms,
-)
+from idviewer.view.shaders import BACK_DEPTH_RANGE, FRONT_DEPTH_RANGE, Shader, set_uniforms
 
 if TYPE_CHECKING:
     from idviewer.session import Frame

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor
 
+from idviewer.view.marker_shaders import LINE_JOINT, SURFACE_LINE
 from idviewer.view.polydata import Place, as_cells, layer
-from idviewer.view.shaders import BACK_DEPTH_RANGE, LINE_JOINT, SURFACE_LINE, set_uniforms
+from idviewer.view.shaders import BACK_DEPTH_RANGE, set_uniforms
 from idviewer.view.slice_actor import OUTLINE_COLOR
 
 if TYPE_CHECKING:

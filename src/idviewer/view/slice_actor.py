@@ -12,15 +12,10 @@ from vtkmodules.vtkRenderingCore import vtkActor
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLPolyDataMapper
 
 from idviewer.view.body_actor import transparency
+from idviewer.view.isolines import ISOLINES
+from idviewer.view.marker_shaders import SURFACE_LINE
 from idviewer.view.polydata import Place, as_array, as_cells, as_closed_lines, layer
-from idviewer.view.shaders import (
-    BACK_DEPTH_RANGE,
-    DEPTH_ONLY,
-    FRONT_DEPTH_RANGE,
-    ISOLINES,
-    SURFACE_LINE,
-    set_uniforms,
-)
+from idviewer.view.shaders import BACK_DEPTH_RANGE, DEPTH_ONLY, FRONT_DEPTH_RANGE, set_uniforms
 
 if TYPE_CHECKING:
     from idviewer.core.sampling import SliceValues

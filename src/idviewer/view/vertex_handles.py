@@ -8,9 +8,10 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer
 
 from idviewer.core import Polygon
+from idviewer.view.marker_shaders import BALL
 from idviewer.view.polydata import Place, as_cells, as_points, layer
 from idviewer.view.scene import POINTS_PER_INCH
-from idviewer.view.shaders import BALL, set_uniforms
+from idviewer.view.shaders import set_uniforms
 
 MAX_SHOWN_VERTICES = 500
 """Of more vertices, only the one under the mouse is shown."""
