@@ -89,7 +89,7 @@ def test_the_potential_is_the_same_by_both_ways(mesh, rng):
     points = inner_points(mesh, rng, 30)
     solver = InteriorDistance(mesh, CommuteTime())
     by_solves = solver.potential(points)
-    finish(solver.prepare_steps())
+    finish(solver.boundary.prepare_steps())
     np.testing.assert_allclose(solver.potential(points), by_solves, rtol=1e-9)
 
 
