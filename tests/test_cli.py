@@ -308,12 +308,12 @@ class TestParameters:
             (("--distance", "embedding", "--set", "embedding=no.npy"), "there is no file no.npy"),
             (
                 ("--distance", "geodesic", "--set", "landmarks=3"),
-                "--set landmarks=3: it lies between 4 and 2000",
+                "--set landmarks=3: the geodesic landmarks must be a whole number from 4 to 2000, not 3",
             ),
             (("--distance", "geodesic", "--set", "landmarks=x"), "'x' is not a whole number"),
             (
                 ("--distance", "geodesic", "--set", "method=magic"),
-                "there is no 'magic'; there are: heat, exact",
+                "--set method=magic: the geodesic method must be heat or exact, not 'magic'",
             ),
             (("--distance", "filter", "--set", "filter=1/(os)"), '"os" at character 4 is no part of an'),
             (("--distance", "filter", "--set", "filter=-lambda"), "the filter -lambda: is -"),
@@ -328,6 +328,16 @@ class TestParameters:
         self, run: Run, body: str, options: tuple[str, ...], part: str
     ) -> None:
         assert part in refused(run("distance", body, *self.ENDS, *options))
+
+    def test_a_method_whose_package_is_missing_names_the_extra(
+        self, run: Run, body: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        for module in ("pygeodesic", "pygeodesic.geodesic"):
+            monkeypatch.setitem(sys.modules, module, None)
+        remedy = "pip install 'idviewer[exact-geodesics]'"
+        options = ("--distance", "geodesic", "--set", "method=exact")
+        assert remedy in refused(run("distance", body, *self.ENDS, *options))
+        assert remedy in " ".join(run("distance", "--help").out.split())
 
     def test_bad_matrices_are_refused(self, run: Run, body: str, arrays: Path) -> None:
         for verb, more in (("distance", self.ENDS), ("barycentroid", ())):

@@ -18,7 +18,7 @@ from idviewer.core import (
     interior_distance,
     pairwise_distance,
 )
-from idviewer.core.distances import missing
+from idviewer.core.distances import missing_parameters
 from idviewer.core.interior.embedded_points import squares_of
 
 SHAPES = pytest.mark.parametrize("name", ["random mesh", "random polygon", "random polygon with a hole"])
@@ -27,7 +27,7 @@ SHAPES = pytest.mark.parametrize("name", ["random mesh", "random polygon", "rand
 def complete(kind: str, vertices: np.ndarray) -> Distance:
     """A distance of that name that lacks nothing."""
     given = {"matrix": np.sqrt(squares_of(vertices)), "embedding": vertices}
-    return DISTANCES[kind](**{one: given[one] for one in missing(DISTANCES[kind]())})
+    return DISTANCES[kind](**{one: given[one] for one in missing_parameters(DISTANCES[kind]())})
 
 
 @cache

@@ -23,6 +23,7 @@ from idviewer.core import (
     gram_distance,
 )
 from idviewer.core.distances import commute_time
+from idviewer.core.distances.commute_time import CommuteTimeSettings
 from idviewer.core.steps import finish
 
 
@@ -106,7 +107,7 @@ def test_it_does_not_depend_on_size_or_place(rng):
 
 def test_large_meshes_have_pairs_and_a_barycentroid_but_no_dense_embedding(mesh, solver, monkeypatch, rng):
     points = inner_points(mesh, rng, 4)
-    monkeypatch.setattr(commute_time, "LARGEST", 100)
+    monkeypatch.setattr(commute_time, "COMMUTE_TIME_SETTINGS", CommuteTimeSettings(largest_embedding=100))
     limited = InteriorDistance(mesh, CommuteTime())
     np.testing.assert_allclose(
         limited.distance(points[:2], points[2:]), solver.distance(points[:2], points[2:])

@@ -94,7 +94,9 @@ def test_what_is_no_arithmetic_is_refused_at_its_place(text, part):
 
 
 def test_a_filter_is_an_expression_or_a_function():
-    with pytest.raises(ValueError, match="an expression or a function, not 3"):
+    with pytest.raises(
+        ValueError, match=r"the filter must be an expression such as exp\(.*, or a function, not 3"
+    ):
         SpectralFilter(3)
 
 

@@ -9,7 +9,7 @@ import pytest
 from tests.core import shapes
 from tests.core.outlines import flower, shortest_paths, with_holes
 
-from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polygon
+from idviewer.core import DistanceError, Geodesic, InteriorDistance, Mesh, Polygon, parameters_of
 from idviewer.core.distances.classical_mds import classical_mds_steps, double_centred, landmark_mds_steps
 from idviewer.core.distances.geodesics import Geodesics, landmark_steps
 from idviewer.core.distances.spectral import percentage
@@ -143,26 +143,47 @@ def test_it_tells_of_its_progress_and_shares_its_basis_with_itself(sphere):
 @pytest.mark.parametrize(
     ("values", "part"),
     [
-        ({"landmarks": 3}, "landmarks: it lies between 4 and 2000, not 3"),
-        ({"landmarks": 2001}, "landmarks: it lies between"),
-        ({"landmarks": 7.5}, "landmarks: '7.5' is not a whole number"),
-        ({"method": "magic"}, "method: there is no 'magic'; there are: heat, exact"),
+        ({"landmarks": 3}, "the geodesic landmarks must be a whole number from 4 to 2000, not 3"),
+        ({"landmarks": 2001}, "the geodesic landmarks must be a whole number from 4 to 2000, not 2001"),
+        ({"landmarks": 7.5}, "the geodesic landmarks must be a whole number from 4 to 2000, not 7.5"),
+        ({"method": "magic"}, "the geodesic method must be heat or exact, not 'magic'"),
     ],
 )
 def test_bad_parameters(values, part):
     with pytest.raises(ValueError) as error:  # noqa: PT011
         Geodesic(**values)
-    assert str(error.value).startswith(part)
+    assert str(error.value) == part
 
 
-@pytest.mark.parametrize(("method", "package"), [("heat", "potpourri3d"), ("exact", "pygeodesic.geodesic")])
-def test_a_package_that_is_missing_is_named(sphere, method, package, monkeypatch):
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(
-        DistanceError, match=f"{method} geodesics need the package {package.split('.')[0]}: pip"
+def test_the_exact_method_names_the_extra_that_it_needs(sphere, monkeypatch):
+    for module in ("pygeodesic", "pygeodesic.geodesic"):
+        monkeypatch.setitem(sys.modules, module, None)
+    remedy = "exact needs the package pygeodesic: pip install 'idviewer[exact-geodesics]'"
+    told = f"the method exact for geodesics {remedy.removeprefix('exact ')}; or take the method heat"
+    for call in (
+        lambda: Geodesics(sphere, "exact"),
+        lambda: InteriorDistance(sphere, Geodesic(method="exact")),
     ):
-        Geodesics(sphere, method)
-    with pytest.raises(DistanceError, match="there is no method 'magic'"):
+        with pytest.raises(DistanceError) as error:
+            call()
+        assert str(error.value) == told
+    method = parameters_of(Geodesic)["method"]
+    assert method.domain == f"heat or exact; {remedy}"
+    assert dict(method.titles) == {"heat": "Heat method", "exact": "Exact (slow), not installed"}
+    polygon = flower(90)
+    along = [Geodesics(polygon, one).from_vertex(0) for one in ("heat", "exact")]
+    np.testing.assert_array_equal(*along, err_msg="along edges nothing is needed")
+
+
+def test_where_the_extra_is_installed_nothing_is_said_of_it():
+    method = parameters_of(Geodesic)["method"]
+    assert (method.domain, method.remedies, method.titles) == ("heat or exact", [], method.choices)
+
+
+def test_methods_that_do_not_exist_are_refused(sphere):
+    with pytest.raises(
+        DistanceError, match="there is no method 'magic' for geodesics; there are: heat, exact"
+    ):
         Geodesics(sphere, "magic")
 
 

@@ -179,5 +179,5 @@ def test_given_arrays_compare_and_hash(mesh, straight):
     assert hash(one) == hash(one)
     assert one != GivenDistances(straight)
     assert GivenDistances("a.npy") == GivenDistances("a.npy")
-    with pytest.raises(ValueError, match="there is no 'near'; there are: exact, approximate"):
+    with pytest.raises(ValueError, match="the matrix fit must be exact or approximate, not 'near'"):
         GivenDistances(fit="near")

@@ -17,7 +17,7 @@ from idviewer.core import (
     interior_distance,
     voronoi_areas,
 )
-from idviewer.core.distances import missing
+from idviewer.core.distances import missing_parameters
 from idviewer.core.interior.barycentroid import SEARCH
 
 
@@ -193,7 +193,7 @@ def with_files(name, mesh):
     """A distance of that name that lacks nothing."""
     apart = np.linalg.norm(mesh.vertices[:, None] - mesh.vertices, axis=2)
     return DISTANCES[name](
-        **{one: {"matrix": apart}.get(one, mesh.vertices) for one in missing(DISTANCES[name]())}
+        **{one: {"matrix": apart}.get(one, mesh.vertices) for one in missing_parameters(DISTANCES[name]())}
     )
 
 

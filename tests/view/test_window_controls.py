@@ -24,7 +24,7 @@ from tests.view.windows import (
 )
 
 from idviewer.core import DISTANCES, GPS, Diffusion, InteriorDistance, Mesh
-from idviewer.core.distances import missing
+from idviewer.core.distances import missing_parameters
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.session.pipeline import Pipeline
 from idviewer.view import help as help_sheet
@@ -136,7 +136,7 @@ def test_the_barycentroid_becomes_the_source_again(qtbot: QtBot, mouse: Mouse, w
 
 def test_every_distance_can_be_shown(qtbot: QtBot, window: MainWindow) -> None:
     """All but those that need a file first, which the panel's own tests show."""
-    ready = {name: kind for name, kind in DISTANCES.items() if not missing(kind())}
+    ready = {name: kind for name, kind in DISTANCES.items() if not missing_parameters(kind())}
     titles = set()
     for name, kind in ready.items():
         window.session.set(distance=kind())

@@ -130,13 +130,13 @@ def print_remarks(remarks: Sequence[str]) -> None:
 
 def distance_as_json(solver: InteriorDistance) -> dict[str, Any]:
     """The distance's name, the values of its parameters, and the coordinates' name, for JSON."""
-    from idviewer.core.distances import values_of
+    from idviewer.core.distances import parameter_values
 
     distance = solver.boundary.distance
     lambda_2 = float(solver.spectrum.values[0]) if distance.spectral else None
     return {
         "distance": distance.name,
-        **values_of(distance, lambda_2),
+        **parameter_values(distance, lambda_2),
         "coordinates": solver.coordinates.name,
     }
 

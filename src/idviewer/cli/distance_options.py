@@ -23,7 +23,7 @@ def distance_of(options: DistanceOptions) -> Distance:
         FileNotFoundError: there is no such file.
     """
     from idviewer.core import DISTANCES, parameters_of
-    from idviewer.core.distances import File, missing
+    from idviewer.core.distances import File, missing_parameters
 
     name = options.distance
     if name not in DISTANCES:
@@ -40,8 +40,8 @@ def distance_of(options: DistanceOptions) -> Distance:
         if isinstance(parameters[parameter], File) and not Path(text).is_file():
             raise FileNotFoundError(f"{option}: there is no file {text}")
     made = DISTANCES[name](**values)
-    for parameter in missing(made):
-        needs = parameters[parameter].in_words()
+    for parameter in missing_parameters(made):
+        needs = parameters[parameter].domain
         raise ValueError(f"--distance {name}: it needs {needs}; add --set {parameter}=FILE")
     return made
 
@@ -102,7 +102,7 @@ def distances_help() -> str:
     for name, kind in DISTANCES.items():
         lines.append(f"  {name:<13}{kind.title}")
         for parameter, one in parameters_of(kind).items():
-            told = f"{parameter}: {one.help}; {one.in_words()}"
+            told = f"{parameter}: {one.help}; {one.domain}"
             lines += wrap(told, HELP_WIDTH, initial_indent=" " * 17, subsequent_indent=" " * 19)
     lines.append("Coordinates (--coordinates NAME):")
     lines += [f"  {name:<17}{kind.title}" for name, kind in COORDINATES.items()]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from idviewer.core import Diffusion, Plane, Polygon, Shape
-from idviewer.core.distances import missing, with_defaults
+from idviewer.core.distances import missing_parameters, with_defaults
 from idviewer.core.shapes import Ray
 from idviewer.session.picking import FramePicker, Probe, Target, pick
 from idviewer.session.pipeline import Pipeline
@@ -160,7 +160,7 @@ class Session:
         self._revisions = WeakSet([shape])
         # A plane, a source and a diffusion time mean nothing on another shape.
         distance = with_defaults(self.state.query.distance)
-        if missing(distance):
+        if missing_parameters(distance):
             distance = Diffusion()
         planes = (default_plane(shape),) if shape.dimension == 3 else ()
         query = replace(self.state.query, planes=planes, source=None, distance=distance)

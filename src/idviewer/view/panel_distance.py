@@ -9,7 +9,7 @@ from typing import Any, Protocol, cast
 from PySide6.QtWidgets import QGroupBox, QVBoxLayout
 
 from idviewer.core import DISTANCES, Distance, Shape, parameters_of
-from idviewer.core.distances import File, Formula, missing
+from idviewer.core.distances import File, Formula, missing_parameters
 from idviewer.session import Frame, State
 from idviewer.view.panel_coordinates import CoordinatesRow, fit
 from idviewer.view.parameter_rows import Row, choice, row_for
@@ -85,7 +85,7 @@ class DistanceGroup(QGroupBox):
         self._take(self._last.get(name) or DISTANCES[name]())
 
     def _take(self, distance: Distance) -> None:
-        self._waiting = distance if missing(distance) else None
+        self._waiting = distance if missing_parameters(distance) else None
         if self._waiting is None:
             self._calls.set(distance=distance)
         # Also where nothing is set because it is set already.

@@ -166,7 +166,7 @@ class IntegerRow(QWidget):
         self.box = QSpinBox()
         self.box.setRange(self._lowest, parameter.highest)
         self.box.setSpecialValueText(parameter.automatic)
-        self.box.setToolTip(f"{parameter.title}: {parameter.help}; {parameter.in_words()}")
+        self.box.setToolTip(f"{parameter.title}: {parameter.help}; {parameter.domain}")
         self.box.setKeyboardTracking(False)
         self.box.valueChanged.connect(lambda value: change(None if value == self._lowest else value))
         _beside(self, parameter.title, self.box)
@@ -182,8 +182,8 @@ class ChoiceRow(QWidget):
 
     def __init__(self, parameter: Choice, change: Callable[[str], None], calls: RowCalls) -> None:
         super().__init__()
-        self.box = choice(parameter.choices)
-        self.box.setToolTip(f"{parameter.title}: {parameter.help}")
+        self.box = choice(parameter.titles)
+        self.box.setToolTip("; ".join([f"{parameter.title}: {parameter.help}", *parameter.remedies]))
         self.box.activated.connect(lambda: change(self.box.currentData()))
         _beside(self, parameter.title, self.box)
 
@@ -201,7 +201,7 @@ class FileRow(QWidget):
         self._name = ""
         self.dialog: QFileDialog | None = None
         self.button, self.note = QPushButton("Choose a file…"), QLabel()
-        self.button.setToolTip(f"{parameter.title}: {parameter.in_words()}")
+        self.button.setToolTip(f"{parameter.title}: {parameter.domain}")
         self.button.clicked.connect(self.ask)
         self.note.setWordWrap(True)
         layout = QVBoxLayout(self)
@@ -212,7 +212,7 @@ class FileRow(QWidget):
     def show_value(self, value: object, lambda_2: float | None) -> None:
         """Show the file's name."""
         if value is None:
-            name = f"It needs {self._parameter.in_words()}; what is shown stays until there is one."
+            name = f"It needs {self._parameter.domain}; what is shown stays until there is one."
         else:
             name = Path(value).name if isinstance(value, str) else str(value)
         if name != self._name:
@@ -248,7 +248,7 @@ class FormulaRow(QWidget):
         super().__init__()
         self._change, self._shown = change, ""
         self.field, self.error = QLineEdit(), QLabel()
-        self.field.setToolTip(f"{parameter.title}: {parameter.help}; {parameter.in_words()}")
+        self.field.setToolTip(f"{parameter.title}: {parameter.help}; {parameter.domain}")
         self.field.editingFinished.connect(self._typed)
         self.error.setWordWrap(True)
         self.error.hide()

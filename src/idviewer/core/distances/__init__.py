@@ -19,10 +19,10 @@ from idviewer.core.distances.registry import (
     QuadraticForm,
     check_dimension,
     distance_from,
-    missing,
+    missing_parameters,
+    parameter_values,
     parameters_of,
     register_distance,
-    values_of,
     with_defaults,
 )
 from idviewer.core.distances.spectral import percentage
@@ -50,11 +50,11 @@ __all__ = [
     "SpectralFilter",
     "check_dimension",
     "distance_from",
-    "missing",
+    "missing_parameters",
+    "parameter_values",
     "parameters_of",
     "percentage",
     "register_distance",
-    "values_of",
     "with_defaults",
 ]
 

@@ -5,13 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from idviewer.core.distances.commute_form import EffectiveResistance, commute_embedding_steps
+from idviewer.core.distances.effective_resistance import EffectiveResistance, commute_embedding_steps
 from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, register_distance
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 
-LARGEST = 4000
-"""Vertices of an embedding without truncation: 10 s, 0.5 GB with the kernels' copy, 5 ms a sample."""
+
+@dataclass(frozen=True)
+class CommuteTimeSettings:
+    """Limits of the exact commute time.
+
+    Attributes:
+        largest_embedding: vertices of the shapes that a dense embedding is made of. At 4,000 it takes 10 s,
+            0.5 GB with the kernels' copy, and 5 ms a sample.
+    """
+
+    largest_embedding: int = 4000
+
+
+COMMUTE_TIME_SETTINGS = CommuteTimeSettings()
 
 
 @register_distance
@@ -33,7 +45,7 @@ class CommuteTime(Distance):
         """Rows of the inverse Cholesky factor of the Laplacian."""
         check_size(
             shape,
-            LARGEST,
+            COMMUTE_TIME_SETTINGS.largest_embedding,
             "the exact commute time's embedding",
             "take gps, its truncated form, or a shape of fewer vertices",
         )

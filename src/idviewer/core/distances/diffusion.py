@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.parameters import Number, positive
+from idviewer.core.distances.parameters import Number
 from idviewer.core.distances.registry import register_distance
-from idviewer.core.distances.spectral import Spectral, needed, percentage
+from idviewer.core.distances.spectral import Spectral, percentage, require_spectrum
 from idviewer.core.spectrum.eigen_solver import SMALLEST_KEPT, Spectrum, paper_cutoff, paper_time
 
 TIME = Number("Time", "how long heat flows, in the shape's unit squared", "t", paper_time, (1 / 8, 64.0))
@@ -40,10 +40,6 @@ class Diffusion(Spectral):
 
     time: float | None = field(default=None, metadata={"parameter": TIME})
 
-    def __post_init__(self) -> None:
-        if self.time is not None:
-            positive(self.time, "the diffusion time")
-
     def cutoff(self, lambda_2: float) -> float:
         """The bound below which exp(-lambda t) stays above 1e-6; for long times the paper's."""
         paper = paper_cutoff(lambda_2)
@@ -51,7 +47,7 @@ class Diffusion(Spectral):
 
     def scale(self, spectrum: Spectrum | None) -> Floats:
         """exp(-lambda t)."""
-        return np.exp(-needed(spectrum).values * self.resolved_time(needed(spectrum)))
+        return np.exp(-require_spectrum(spectrum).values * self.resolved_time(require_spectrum(spectrum)))
 
     def resolved_time(self, spectrum: Spectrum) -> float:
         """The time t that is used, in the shape's unit squared."""
@@ -59,7 +55,7 @@ class Diffusion(Spectral):
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """Such as "Diffusion distance, t = 0.0123"; says so where the time asks for further modes."""
-        known = needed(spectrum)
+        known = require_spectrum(spectrum)
         time = self.resolved_time(known)
         words = f"{self.title}, t = {time:.3g}"
         if known.bound < (1.0 - 1e-9) * self.cutoff(float(known.values[0])):

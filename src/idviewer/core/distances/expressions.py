@@ -1,4 +1,4 @@
-"""Arithmetic typed by a user, evaluated without ever running it as code."""
+"""Arithmetic expressions typed by a user, evaluated without ever running them as code."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 
 from idviewer.core.arrays import Floats
 
-LONGEST = 200
+MOST_CHARACTERS = 200
 """Characters; what is longer may nest deeper than the parser goes."""
 
-STAND_IN = "_lambd"
+LAMBDA_PLACEHOLDER = "_lambd"
 """As long as `lambda`, which Python keeps for itself, so that places in the text stay what they are."""
 
-VARIABLES = {"x": 0, STAND_IN: 0, "λ": 0, "lambda_2": 1, "lambda2": 1}
+VARIABLES = {"x": 0, LAMBDA_PLACEHOLDER: 0, "λ": 0, "lambda_2": 1, "lambda2": 1}
 """Which of the two numbers a name stands for."""
 
 FUNCTIONS = {"exp": np.exp, "log": np.log, "sqrt": np.sqrt}
@@ -54,15 +54,15 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
         self._text = text
         if not text.strip():
             raise ValueError(f"the expression is empty; there are {SYNTAX}")
-        if len(text) > LONGEST:
-            raise ValueError(f"the expression has {len(text)} characters; {LONGEST} are the most")
-        self._body = re.sub(r"\blambda\b", STAND_IN, text.replace("\n", " "))
+        if len(text) > MOST_CHARACTERS:
+            raise ValueError(f"the expression has {len(text)} characters; {MOST_CHARACTERS} are the most")
+        self._body = re.sub(r"\blambda\b", LAMBDA_PLACEHOLDER, text.replace("\n", " "))
         leading = len(self._body) - len(self._body.lstrip())
         self._offset = leading
         try:
             self._tree = ast.parse(self._body.lstrip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise ValueError(self._misspelt(error)) from None
+            raise ValueError(self._syntax_error(error)) from None
         self._check(self._tree)
 
     def __call__(self, values: Floats, lambda_2: float) -> Floats:
@@ -71,7 +71,7 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
             result = self._value(self._tree, (np.asarray(values, dtype=np.float64), np.float64(lambda_2)))
         return np.broadcast_to(result, np.shape(values)).astype(np.float64)
 
-    def _misspelt(self, error: BaseException) -> str:
+    def _syntax_error(self, error: BaseException) -> str:
         told = getattr(error, "offset", None) or 0
         place = told + self._offset
         near = self._text[place - 1 :][:12] if told > 0 else ""
@@ -93,9 +93,9 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
             case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
                 self._check(operand)
             case _:
-                raise ValueError(self._stranger(node))
+                raise ValueError(self._unexpected_part(node))
 
-    def _stranger(self, node: ast.AST) -> str:
+    def _unexpected_part(self, node: ast.AST) -> str:
         # Places are told in bytes by Python, in characters here.
         source = self._body.lstrip().encode()
         start = len(source[: getattr(node, "col_offset", 0)].decode())

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from idviewer.core.distances.classical_mds import ROUNDING, landmark_mds_steps
-from idviewer.core.distances.geodesics import Geodesics, landmark_steps
+from idviewer.core.distances.classical_mds import EIGENVALUE_ROUNDING, landmark_mds_steps
+from idviewer.core.distances.geodesics import EXACT_GEODESICS, Geodesics, landmark_steps
 from idviewer.core.distances.parameters import Choice, Integer
 from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.distances.spectral import percentage
@@ -16,16 +16,31 @@ from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
 from idviewer.core.steps import map_steps
 
-ALL_PAIRS, USUAL = 1000, 300
-"""Vertices up to which all pairs are taken, and the number of landmarks beyond."""
 
-NOISE = 1e-3
-"""With landmarks, directions of smaller eigenvalues (as a share of the largest) are left out: their factor
-1 / sqrt(lambda) would magnify what of the other vertices' distances does not embed; see docs/distances.md."""
+@dataclass(frozen=True)
+class LandmarkSettings:
+    """How many landmarks there are where nobody says so, and what is kept of their embedding.
+
+    Attributes:
+        all_pairs_up_to: vertices of the shapes of which all pairs are taken.
+        landmarks_beyond: number of landmarks of larger shapes.
+        negligible_eigenvalue: with landmarks, directions of smaller eigenvalues, as a share of the largest,
+            are left out: their factor 1 / sqrt(lambda) would magnify what of the other vertices' distances
+            does not embed; see docs/distances.md.
+    """
+
+    all_pairs_up_to: int = 1000
+    landmarks_beyond: int = 300
+    negligible_eigenvalue: float = 1e-3
+
+
+LANDMARK_SETTINGS = LandmarkSettings()
 
 LANDMARKS = Integer("Landmarks", "vertices whose distances to all others are computed", 4, 2000)
 METHODS = (("heat", "Heat method"), ("exact", "Exact (slow)"))
-METHOD = Choice("Method", "how geodesics are computed on meshes", METHODS)
+METHOD = Choice(
+    "Method", "how geodesics are computed on meshes", METHODS, extras=(("exact", EXACT_GEODESICS),)
+)
 
 
 @register_distance
@@ -41,11 +56,12 @@ class Geodesic(Distance):
     Attributes:
         landmarks: how many; None stands for all vertices of shapes of up to 1,000, and 300 of others. As
             many as vertices, or more, is all pairs.
-        method: "heat" or "exact", see `idviewer.core.distances.geodesics.Geodesics`.
+        method: "heat" or "exact", see `idviewer.core.distances.geodesics.Geodesics`; on meshes "exact" needs
+            the extra `exact-geodesics`.
 
     >>> Geodesic(landmarks=2)
     Traceback (most recent call last):
-    ValueError: landmarks: it lies between 4 and 2000, not 2
+    ValueError: the geodesic landmarks must be a whole number from 4 to 2000, not 2
     """
 
     name: ClassVar[str] = "geodesic"
@@ -55,26 +71,21 @@ class Geodesic(Distance):
     landmarks: int | None = field(default=None, metadata={"parameter": LANDMARKS})
     method: str = field(default="heat", metadata={"parameter": METHOD})
 
-    def __post_init__(self) -> None:
-        for name, parameter in (("landmarks", LANDMARKS), ("method", METHOD)):
-            value = getattr(self, name)
-            try:
-                _ = value if value is None else parameter.parse(str(value))
-            except ValueError as error:
-                raise ValueError(f"{name}: {error}") from None
-
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
-        """Landmarks, the distances to them, and their scaling."""
-        count = len(shape.vertices)
-        wanted = self.landmarks or (count if count <= ALL_PAIRS else USUAL)
+        """Landmarks, the distances to them, and their embedding by landmark MDS.
+
+        Raises:
+            DistanceError: the method's package is not installed, or the method fails on this shape.
+        """
+        count, settings = len(shape.vertices), LANDMARK_SETTINGS
+        wanted = self.landmarks or (count if count <= settings.all_pairs_up_to else settings.landmarks_beyond)
         yield 0.0
-        walk = landmark_steps(shape, Geodesics(shape, self.method), wanted)
-        chosen, distances = yield from map_steps(lambda share: 0.9 * share, walk)
-        among = distances[chosen]
-        distances[chosen] = 0.5 * (among + among.T)  # the heat method is not quite symmetric
-        negligible = ROUNDING if len(chosen) == count else NOISE
-        scaling = yield from landmark_mds_steps(np.square(distances), chosen, negligible)
+        sampling = landmark_steps(shape, Geodesics(shape, self.method), wanted)
+        chosen, distances = yield from map_steps(lambda share: 0.9 * share, sampling)
+        between_landmarks = distances[chosen]
+        # The heat method is not quite symmetric.
+        distances[chosen] = 0.5 * (between_landmarks + between_landmarks.T)
+        negligible = EIGENVALUE_ROUNDING if len(chosen) == count else settings.negligible_eigenvalue
+        scaled = yield from landmark_mds_steps(np.square(distances), chosen, negligible)
         taken = "all pairs" if len(chosen) == count else f"{len(chosen)} landmarks"
-        return Basis(
-            scaling.embedding, f"{taken}, {percentage(scaling.discarded)} of the Gram matrix left out"
-        )
+        return Basis(scaled.embedding, f"{taken}, {percentage(scaled.discarded)} of the Gram matrix left out")

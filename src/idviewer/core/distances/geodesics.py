@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from typing import Any
+from typing import cast
 
 import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
+from idviewer.core.distances.parameters import Extra
 from idviewer.core.errors import DistanceError
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.polygon import Polygon
 from idviewer.core.shapes.shape import Shape
 
-PACKAGES = {"heat": "potpourri3d", "exact": "pygeodesic"}
-METHODS = tuple(PACKAGES)
+Solve = Callable[[int], Floats]
+"""From a vertex to the distances of all, in the unit of the vertices."""
+
+EXACT_GEODESICS = Extra("exact-geodesics", "pygeodesic")
 
 
 class Geodesics:
@@ -20,7 +25,8 @@ class Geodesics:
 
     On meshes "heat" is the heat method of Crane, Weischedel and Wardetzky 2013 on the intrinsic Delaunay
     triangulation (potpourri3d): a few percent off, the time of two sparse solves. "exact" is that of
-    Mitchell, Mount and Papadimitriou 1987 (pygeodesic). Along a polygon's edges both are exact arc lengths.
+    Mitchell, Mount and Papadimitriou 1987 (pygeodesic, which the extra `exact-geodesics` installs). Along a
+    polygon's edges both are exact arc lengths.
 
     Args:
         shape: n vertices.
@@ -37,14 +43,17 @@ class Geodesics:
     """
 
     def __init__(self, shape: Shape, method: str = "heat") -> None:
-        if method not in METHODS:
+        solvers = {"heat": heat_solver, "exact": exact_solver}
+        if method not in solvers:
             raise DistanceError(
-                f"there is no method {method!r} for geodesics; there are: {', '.join(METHODS)}"
+                f"there is no method {method!r} for geodesics; there are: {', '.join(solvers)}"
             )
         self._scale, self._method = shape.diagonal, method
         vertices = (shape.vertices - shape.bounds.mean(axis=0)) / shape.diagonal
-        make = along_edges if shape.dimension == 2 else {"heat": by_heat, "exact": exactly}[method]
-        self._solve = make(vertices, shape)
+        if shape.dimension == 2:
+            self._solve = edge_path_solver(vertices, cast(Polygon, shape))
+        else:
+            self._solve = solvers[method](vertices, cast(Mesh, shape).faces)
 
     def from_vertex(self, vertex: int) -> Floats:
         """Distances of all vertices from one, (n,), in the shape's unit.
@@ -64,52 +73,71 @@ class Geodesics:
         return found
 
 
-def by_heat(vertices: Floats, shape: Any) -> Callable[[int], Floats]:
-    """The heat method."""
-    solver = _package("heat").MeshHeatMethodDistanceSolver(vertices, np.array(shape.faces))
+def heat_solver(vertices: Floats, faces: Ints) -> Solve:
+    """The heat method on vertices (n, 3) and faces (m, 3)."""
+    from potpourri3d import MeshHeatMethodDistanceSolver
+
+    solver = MeshHeatMethodDistanceSolver(vertices, np.array(faces))
     return lambda vertex: solver.compute_distance(vertex)
 
 
-def exactly(vertices: Floats, shape: Any) -> Callable[[int], Floats]:
-    """Windows propagated over the surface."""
-    solver = _package("exact", ".geodesic").PyGeodesicAlgorithmExact(vertices, np.array(shape.faces))
+def exact_solver(vertices: Floats, faces: Ints) -> Solve:
+    """Windows propagated over vertices (n, 3) and faces (m, 3).
+
+    Raises:
+        DistanceError: the extra is not installed.
+    """
+    try:
+        from pygeodesic.geodesic import PyGeodesicAlgorithmExact
+    except ImportError as error:
+        raise DistanceError(
+            f"the method exact for geodesics {EXACT_GEODESICS.remedy}; or take the method heat"
+        ) from error
+    solver = PyGeodesicAlgorithmExact(vertices, np.array(faces))
     return lambda vertex: solver.geodesicDistances(np.array([vertex]), None)[0]
 
 
-def along_edges(vertices: Floats, shape: Any) -> Callable[[int], Floats]:
-    """Along a polygon's edges, and the bridges that join its loops."""
+def edge_path_solver(vertices: Floats, polygon: Polygon) -> Solve:
+    """Dijkstra's shortest paths along a polygon's edges and the bridges that join its loops.
+
+    Args:
+        vertices: (n, 2) the polygon's, in any unit.
+        polygon: whose edges and bridges they are.
+    """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
-    bridges = np.asarray(getattr(shape, "bridges", np.empty((0, 2))), dtype=np.int64).reshape(-1, 2)
-    ends = np.concatenate([shape.edges, bridges])
+    ends = np.concatenate([polygon.edges, polygon.bridges])
     lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
     graph = csr_array((lengths, (ends[:, 0], ends[:, 1])), shape=(len(vertices), len(vertices)))
     return lambda vertex: dijkstra(graph, directed=False, indices=vertex)
 
 
-def _package(method: str, module: str = "") -> Any:
-    from importlib import import_module
-
-    try:
-        return import_module(PACKAGES[method] + module)
-    except ImportError as error:
-        name = PACKAGES[method]
-        raise DistanceError(
-            f"{method} geodesics need the package {name}: pip install {name} ({error})"
-        ) from error
-
-
 def landmark_steps(
     shape: Shape, geodesics: Geodesics, count: int
 ) -> Generator[float, None, tuple[Ints, Floats]]:
-    """Landmarks by farthest-point sampling, and the distances to them; yields the share done.
+    """Choose landmarks by farthest-point sampling, with the distances to them; yields the share done.
 
     The first is the vertex farthest, in a straight line, from the mean of all; each next one is the vertex
     farthest from those before. Source: Gonzalez 1985; de Silva and Tenenbaum 2004, section 3 (maxmin).
 
+    Args:
+        shape: n vertices.
+        geodesics: of the shape.
+        count: of landmarks.
+
     Returns:
         (l,) their indices, and (n, l) the distance of each vertex from each; l is count, at most n.
+
+    Raises:
+        DistanceError: geodesics fail on this shape.
+
+    >>> from idviewer.core import Polygon
+    >>> from idviewer.core.steps import finish
+    >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> chosen, distances = finish(landmark_steps(square, Geodesics(square), 2))
+    >>> chosen.tolist(), distances.round(12).tolist()
+    ([0, 2], [[0.0, 2.0], [1.0, 1.0], [2.0, 0.0], [1.0, 1.0]])
     """
     centred = shape.vertices - shape.vertices.mean(axis=0)
     count = min(count, len(centred))

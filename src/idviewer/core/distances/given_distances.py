@@ -11,8 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
+from idviewer.core.distances.array_input import ArrayInput, matrix_of
 from idviewer.core.distances.classical_mds import classical_mds_steps
-from idviewer.core.distances.given_arrays import ArrayInput, given, matrix_of
 from idviewer.core.distances.parameters import Choice, File
 from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, register_distance
 from idviewer.core.distances.spectral import percentage
@@ -24,13 +24,13 @@ MATRIX = File("Matrix", "the distances", content="n x n distances, n the number 
 FITS = (("exact", "Must embed exactly"), ("approximate", "Nearest embedding"))
 FIT = Choice("Embedding", "whether distances that do not embed are refused or approximated", FITS)
 
-SYMMETRIC = 1e-8
+SYMMETRY_TOLERANCE = 1e-8
 """Largest difference between d_ij and d_ji, and largest d_ii, as a share of the largest distance."""
 
-EMBEDS = 1e-7
+NEGATIVE_EIGENVALUE_TOLERANCE = 1e-7
 """Negative eigenvalues of the Gram matrix up to such a share of the largest are rounding of what is given."""
 
-LARGEST = 4000
+LARGEST_MATRIX = 4000
 """Vertices: the eigenvalues of so large a matrix take up to two minutes, and 1.6 GB."""
 
 
@@ -47,6 +47,14 @@ class GivenDistances(Distance):
         matrix: (n, n) distances (not squared), or the path of a .npy file that holds them.
         fit: "exact" refuses distances that do not embed; "approximate" takes the positive part of A, and
             the description says how much that leaves out (class 3).
+
+    >>> import numpy as np
+    >>> from idviewer.core import InteriorDistance, Mesh
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> solver = InteriorDistance(tetrahedron, GivenDistances(2.0 * (1.0 - np.eye(4))))
+    >>> solver.distance([[0.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]]).round(9).tolist()
+    [2.0]
     """
 
     name: ClassVar[str] = "matrix"
@@ -57,10 +65,6 @@ class GivenDistances(Distance):
         default=None, metadata={"parameter": MATRIX}
     )
     fit: str = field(default="exact", metadata={"parameter": FIT})
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "matrix", given(self.matrix))
-        FIT.parse(self.fit)
 
     @property
     def basis_key(self) -> Hashable:
@@ -73,25 +77,25 @@ class GivenDistances(Distance):
         Raises:
             DistanceError: the matrix holds no distances between this shape's vertices.
         """
-        matrix = matrix_of(given(self.matrix), len(shape.vertices), "distances")
+        matrix = matrix_of(self.matrix, len(shape.vertices), "distances")
         where = Path(self.matrix).name if isinstance(self.matrix, str) else "the distances"
         check_distances(matrix, where)
         return np.square(0.5 * (matrix + matrix.T))
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
         """The embedding of the distances."""
-        check_size(shape, LARGEST, "a matrix of distances", "take a shape of fewer vertices")
+        check_size(shape, LARGEST_MATRIX, "a matrix of distances", "take a shape of fewer vertices")
         yield 0.0
-        scaling = yield from classical_mds_steps(self.squares(shape))
-        if scaling.most_negative < -EMBEDS:
+        scaled = yield from classical_mds_steps(self.squares(shape))
+        if scaled.most_negative < -NEGATIVE_EIGENVALUE_TOLERANCE:
             if self.fit == "exact":
-                share = percentage(-scaling.most_negative)
+                share = percentage(-scaled.most_negative)
                 raise DistanceError(
                     "these distances do not embed exactly: the most negative eigenvalue of their Gram matrix "
                     f"is {share} of the largest; fit=approximate takes the nearest embedding"
                 )
-            return Basis(scaling.embedding, f"{percentage(scaling.discarded)} of the Gram matrix left out")
-        return Basis(scaling.embedding)
+            return Basis(scaled.embedding, f"{percentage(scaled.discarded)} of the Gram matrix left out")
+        return Basis(scaled.embedding)
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """With the file's name."""
@@ -99,7 +103,15 @@ class GivenDistances(Distance):
 
 
 def check_distances(matrix: Floats, where: str) -> None:
-    """Refuses a matrix (n, n) that is not square, symmetric, zero on the diagonal and nowhere negative."""
+    """Refuse a matrix (n, n) that is not square, symmetric, zero on the diagonal and nowhere negative.
+
+    Args:
+        matrix: finite numbers.
+        where: the file or what else it is, for the error.
+
+    Raises:
+        DistanceError: it names the row and the column that are wrong.
+    """
     if matrix.shape[1] != len(matrix):
         raise DistanceError(
             f"{where}: its shape is {matrix.shape}; distances between all pairs of vertices are n x n"
@@ -111,13 +123,13 @@ def check_distances(matrix: Floats, where: str) -> None:
             f"{where}: the distance in row {row}, column {column} is negative ({matrix.min():.4g})"
         )
     diagonal = int(np.diagonal(matrix).argmax())
-    if matrix[diagonal, diagonal] > SYMMETRIC * largest:
+    if matrix[diagonal, diagonal] > SYMMETRY_TOLERANCE * largest:
         raise DistanceError(
             f"{where}: a vertex is at distance 0 from itself, but row {diagonal} has "
             f"{matrix[diagonal, diagonal]:.4g} on the diagonal"
         )
     gaps = np.abs(matrix - matrix.T)
-    if gaps.max() > SYMMETRIC * largest:
+    if gaps.max() > SYMMETRY_TOLERANCE * largest:
         row, column = np.unravel_index(int(gaps.argmax()), gaps.shape)
         raise DistanceError(
             f"{where}: not symmetric: row {row}, column {column} has {matrix[row, column]:.6g}, "

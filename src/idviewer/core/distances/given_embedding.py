@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.given_arrays import ArrayInput, given, matrix_of
+from idviewer.core.distances.array_input import ArrayInput, matrix_of
 from idviewer.core.distances.parameters import File
 from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.shapes.shape import Shape
@@ -44,9 +44,6 @@ class GivenEmbedding(Distance):
         default=None, metadata={"parameter": EMBEDDING}
     )
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "embedding", given(self.embedding))
-
     @property
     def basis_key(self) -> Hashable:
         """The file, or the array."""
@@ -55,7 +52,7 @@ class GivenEmbedding(Distance):
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
         """The rows, about their mean to keep their digits."""
         yield 0.0
-        rows = matrix_of(given(self.embedding), len(shape.vertices), "embedding")
+        rows = matrix_of(self.embedding, len(shape.vertices), "embedding")
         return Basis(np.ascontiguousarray(rows - rows.mean(axis=0)))
 
     def describe(self, spectrum: Spectrum | None) -> str:

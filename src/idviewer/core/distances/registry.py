@@ -1,9 +1,10 @@
-"""What a boundary distance is, and the table of those there are: for menus and the command line."""
+"""The base class of boundary distances, and the table of all of them: for menus and the command line."""
 
 from __future__ import annotations
 
+from abc import ABCMeta
 from collections.abc import Generator, Hashable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
@@ -39,13 +40,27 @@ class QuadraticForm(Protocol):
         """z^T A z of each row z (p, n) with the sum 0; yields the share done every few milliseconds."""
 
 
-class Distance:
+class CheckedParameters(ABCMeta):
+    """Checks the parameters of every new distance, however its class initialises itself."""
+
+    def __call__(cls, *args: Any, **values: Any) -> Any:
+        """A new distance; a ValueError names the parameter whose value is not allowed."""
+        distance = super().__call__(*args, **values)
+        check_parameters(distance)
+        return distance
+
+
+class Distance(metaclass=CheckedParameters):
     """A boundary distance: it embeds the vertices so that distances between them become Euclidean.
 
-    A new one is a frozen dataclass that derives from this, carries the decorator `distance`, and has
-    either `basis` or `basis_steps`. The embedding of vertex i is basis[i] * scale. Only the basis is ever
-    sampled inside, so whatever changes the scale alone (a diffusion time) reuses every sample. A field
-    whose metadata holds a `Parameter` gets an option on the command line and a control in the window.
+    A new one is a frozen dataclass that derives from this, carries the decorator `register_distance`, and
+    has either `basis` or `basis_steps`. The embedding of vertex i is basis[i] * scale. Only the basis is
+    ever sampled inside, so whatever changes the scale alone (a diffusion time) reuses every sample. A field
+    whose metadata holds a `Parameter` gets an option on the command line and a control in the window, and
+    its value is checked by the parameter; None is allowed where it is the field's default.
+
+    Raises:
+        ValueError: the value of a parameter is not allowed.
 
     Attributes:
         name: for the command line.
@@ -102,18 +117,39 @@ DISTANCES: dict[str, type[Distance]] = {}
 
 
 def register_distance(kind: Registered) -> Registered:
-    """Enters a class into `DISTANCES`; to be written above `@dataclass(frozen=True)`."""
+    """Enter a class in `DISTANCES`; to be written above `@dataclass(frozen=True)`.
+
+    Raises:
+        TypeError: the class is no dataclass, has no name or title, or holds something else than a
+            `Parameter` as a field's parameter.
+        ValueError: another distance has its name.
+    """
+    if "__dataclass_params__" not in vars(kind):
+        raise TypeError(
+            f"{kind.__qualname__}: a distance is a dataclass; write @dataclass(frozen=True) "
+            "below @register_distance"
+        )
+    lacking = [one for one in ("name", "title") if not hasattr(kind, one)]
+    if lacking:
+        raise TypeError(f"{kind.__qualname__}: a distance has a name and a title; it lacks {lacking[0]!r}")
+    for field, parameter in parameters_of(kind).items():
+        if not isinstance(parameter, Parameter):
+            raise TypeError(f"{kind.__qualname__}.{field}: its metadata's parameter is no Parameter")
     if kind.name in DISTANCES and DISTANCES[kind.name].__qualname__ != kind.__qualname__:
         raise ValueError(f"there are two distances with the name {kind.name!r}")
     DISTANCES[kind.name] = kind
-    ranked = sorted(DISTANCES.values(), key=lambda one: (one.menu_order, one.name))
+    ordered = sorted(DISTANCES.values(), key=lambda one: (one.menu_order, one.name))
     DISTANCES.clear()
-    DISTANCES.update((one.name, one) for one in ranked)
+    DISTANCES.update((one.name, one) for one in ordered)
     return kind
 
 
 def check_dimension(kind: Distance, shape: Shape) -> None:
-    """Refuses a shape that the distance does not work on."""
+    """Refuse a shape in whose dimension the distance does not work.
+
+    Raises:
+        DistanceError: it does not.
+    """
     if shape.dimension not in kind.dimensions:
         where = " and ".join(f"{one}D" for one in kind.dimensions)
         raise DistanceError(
@@ -122,7 +158,17 @@ def check_dimension(kind: Distance, shape: Shape) -> None:
 
 
 def check_size(shape: Shape, limit: int, what: str, advice: str) -> None:
-    """Refuses shapes whose dense matrices would not fit."""
+    """Refuse shapes of more vertices than a limit, beyond which dense matrices would not fit.
+
+    Args:
+        shape: n vertices.
+        limit: the largest n.
+        what: takes n^2 numbers, for the error.
+        advice: what to do instead, for the error.
+
+    Raises:
+        DistanceError: there are more.
+    """
     count = len(shape.vertices)
     if count > limit:
         raise DistanceError(
@@ -131,7 +177,7 @@ def check_size(shape: Shape, limit: int, what: str, advice: str) -> None:
 
 
 def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
-    """What may be set of a kind of distance, by the name of the field.
+    """The parameters of a kind of distance, by the name of the field.
 
     >>> from idviewer.core.distances import GPS, Diffusion
     >>> [(name, one.symbol) for name, one in parameters_of(Diffusion).items()], parameters_of(GPS)
@@ -141,26 +187,58 @@ def parameters_of(kind: type[Distance] | Distance) -> dict[str, Parameter]:
     return {name: parameter for name, parameter in found if parameter is not None}
 
 
-def missing(distance: Distance) -> list[str]:
+def check_parameters(distance: Distance) -> None:
+    """Check every parameter's value, and keep it as the parameter wants it kept.
+
+    Raises:
+        ValueError: a value is not allowed; one line names the parameter, the value and what is.
+
+    >>> from idviewer.core.distances import Diffusion
+    >>> Diffusion(time=True)
+    Traceback (most recent call last):
+    ValueError: the diffusion time must be a positive number, not True
+    """
+    for field in fields(distance) if is_dataclass(distance) else ():
+        parameter, value = field.metadata.get("parameter"), getattr(distance, field.name)
+        if parameter is None or (value is None and field.default is None):
+            continue
+        try:
+            checked = parameter.check(value)
+        except ValueError as error:
+            subject = field.name if field.name == distance.name else f"{distance.name} {field.name}"
+            raise ValueError(f"the {subject} {error}") from None
+        object.__setattr__(distance, field.name, checked)
+
+
+def missing_parameters(distance: Distance) -> list[str]:
     """The parameters without which the distance can do nothing, and which are not given.
 
     >>> from idviewer.core.distances import Diffusion, GivenDistances
-    >>> missing(Diffusion()), missing(GivenDistances())
+    >>> missing_parameters(Diffusion()), missing_parameters(GivenDistances())
     ([], ['matrix'])
     """
     return [
         name
         for name, one in parameters_of(distance).items()
-        if one.needed and getattr(distance, name) is None
+        if one.required and getattr(distance, name) is None
     ]
 
 
-def values_of(distance: Distance, lambda_2: float | None) -> dict[str, Any]:
+def parameter_values(distance: Distance, lambda_2: float | None) -> dict[str, Any]:
     """The distance's parameters, defaults worked out, by the name of the field.
 
+    Args:
+        distance: of any kind.
+        lambda_2: the first non-zero eigenvalue, from which defaults are; None where it is not known.
+
+    Returns:
+        Numbers and texts, None where a default is not known.
+
     >>> from idviewer.core.distances import GPS, Diffusion
-    >>> values_of(Diffusion(), 2.0), values_of(Diffusion(time=1.0), 2.0), values_of(GPS(), 2.0)
-    ({'time': 0.0625}, {'time': 1.0}, {})
+    >>> parameter_values(Diffusion(), 2.0), parameter_values(Diffusion(time=1.0), 2.0)
+    ({'time': 0.0625}, {'time': 1.0})
+    >>> parameter_values(GPS(), 2.0)
+    {}
     """
     values = {}
     for name, parameter in parameters_of(distance).items():
@@ -178,14 +256,16 @@ def with_defaults(distance: Distance) -> Distance:
     >>> with_defaults(Diffusion(time=2.0))
     Diffusion(time=None)
     """
-    return replace(distance, **{name: None for name, one in parameters_of(distance).items() if one.of_shape})
+    return replace(
+        distance, **{name: None for name, one in parameters_of(distance).items() if one.shape_specific}
+    )
 
 
 def distance_from(name: str, values: Mapping[str, Any]) -> Distance:
     """The distance of that name with those values of its parameters.
 
     Raises:
-        ValueError: there is no such distance, or it has no such parameter.
+        ValueError: there is no such distance, it has no such parameter, or a value is not allowed.
 
     >>> distance_from("diffusion", {"time": 2.0})
     Diffusion(time=2.0)

@@ -22,7 +22,7 @@ class Spectral(Distance):
 
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
         """The eigenvectors."""
-        return needed(spectrum).vectors
+        return require_spectrum(spectrum).vectors
 
     @property
     def basis_key(self) -> Hashable:
@@ -31,7 +31,7 @@ class Spectral(Distance):
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """Such as "Biharmonic distance, 76 modes"."""
-        count = len(needed(spectrum).values)
+        count = len(require_spectrum(spectrum).values)
         return f"{self.title}, {count} mode{'s' if count > 1 else ''}"
 
 
@@ -42,10 +42,10 @@ class PowerOfEigenvalues(Spectral):
 
     def scale(self, spectrum: Spectrum | None) -> Floats:
         """lambda^exponent."""
-        return needed(spectrum).values ** self.exponent
+        return require_spectrum(spectrum).values ** self.exponent
 
 
-def needed(spectrum: Spectrum | None) -> Spectrum:
+def require_spectrum(spectrum: Spectrum | None) -> Spectrum:
     """The eigenpairs, which must be there."""
     if spectrum is None:
         raise ValueError("a spectral distance needs the shape's eigenpairs")

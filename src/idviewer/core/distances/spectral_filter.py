@@ -12,14 +12,14 @@ from idviewer.core.arrays import Floats
 from idviewer.core.distances.expressions import Expression
 from idviewer.core.distances.parameters import Formula
 from idviewer.core.distances.registry import register_distance
-from idviewer.core.distances.spectral import Spectral, needed, percentage
+from idviewer.core.distances.spectral import Spectral, percentage, require_spectrum
 from idviewer.core.errors import DistanceError
 from idviewer.core.spectrum.eigen_solver import Spectrum
 
-HEAT = "exp(-lambda / (8 * lambda_2))"
-FILTER = Formula("Filter", "f of the eigenvalue lambda, at least 0; lambda_2 is the first one", HEAT)
+HEAT_KERNEL = "exp(-lambda / (8 * lambda_2))"
+FILTER = Formula("Filter", "f of the eigenvalue lambda, at least 0; lambda_2 is the first one", HEAT_KERNEL)
 
-TOLD = 1e-6
+NEGLIGIBLE_WEIGHT = 1e-6
 """Left-out modes that weigh less are not worth a word; as in the paper's appendix."""
 
 
@@ -48,13 +48,11 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
     title: ClassVar[str] = "Spectral filter"
     menu_order: ClassVar[int] = 40
 
-    filter: str | Callable[[Floats], Floats] = field(default=HEAT, metadata={"parameter": FILTER})
+    filter: str | Callable[[Floats], Floats] = field(default=HEAT_KERNEL, metadata={"parameter": FILTER})
 
     def __post_init__(self) -> None:
         if isinstance(self.filter, str):
             Expression(self.filter)
-        elif not callable(self.filter):
-            raise ValueError(f"a filter is an expression or a function, not {self.filter!r}")
 
     def scale(self, spectrum: Spectrum | None) -> Floats:
         """f(lambda).
@@ -62,45 +60,45 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
         Raises:
             DistanceError: f is negative, infinite or NaN at an eigenvalue, zero at all, or of another shape.
         """
-        values = needed(spectrum).values
-        return self._checked(self._at(values, float(values[0])), values)
+        values = require_spectrum(spectrum).values
+        return self._check_weights(self._at(values, float(values[0])), values)
 
     def _at(self, values: Floats, lambda_2: float) -> Floats:
         if isinstance(self.filter, str):
             return Expression(self.filter)(values, lambda_2)
         return np.asarray(self.filter(values.copy()), dtype=np.float64)
 
-    def _checked(self, found: Floats, values: Floats) -> Floats:
+    def _check_weights(self, found: Floats, values: Floats) -> Floats:
         if found.shape != values.shape:
             raise DistanceError(
-                f"{self._words}: gives {found.shape} numbers for eigenvalues of shape {values.shape}"
+                f"{self._subject}: gives {found.shape} numbers for eigenvalues of shape {values.shape}"
             )
         wrong = np.flatnonzero(~(np.isfinite(found) & (found >= 0.0)))
         if len(wrong):
             first = wrong[0]
             raise DistanceError(
-                f"{self._words}: is {found[first]:.3g} at lambda = {values[first]:.6g}; "
+                f"{self._subject}: is {found[first]:.3g} at lambda = {values[first]:.6g}; "
                 "a filter is finite and not negative at every eigenvalue"
             )
         if not found.any():
-            raise DistanceError(f"{self._words}: is 0 at every eigenvalue, so all distances would be 0")
+            raise DistanceError(f"{self._subject}: is 0 at every eigenvalue, so all distances would be 0")
         return found
 
     @property
-    def _words(self) -> str:
+    def _subject(self) -> str:
         if isinstance(self.filter, str):
             return f"the filter {self.filter}"
         return f"the filter {getattr(self.filter, '__name__', self.filter)}"
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """Such as "Spectral filter 1 / lambda, 76 modes; modes left out weigh up to 0.9%"."""
-        known = needed(spectrum)
-        shown = self._words.removeprefix("the filter ")
+        known = require_spectrum(spectrum)
+        shown = self._subject.removeprefix("the filter ")
         words = f"{self.title} {shown}, {len(known.values)} modes"
         if not np.isfinite(known.bound):
             return words
         beyond = self._at(np.array([known.bound]), float(known.values[0])).ravel()[:1]
         heaviest = self.scale(known).max()
-        if len(beyond) and beyond[0] > TOLD * heaviest:
+        if len(beyond) and beyond[0] > NEGLIGIBLE_WEIGHT * heaviest:
             words += f"; the first left out weighs {percentage(float(beyond[0] / heaviest))}"
         return words

@@ -24,12 +24,13 @@ class ArrayInput:
         return f"<array {self.array.shape}>"
 
 
-Given = str | ArrayInput | None
+def as_array_input(value: str | PathLike[str] | ArrayLike | ArrayInput) -> str | ArrayInput:
+    """A path as text, or a read-only copy of an array; it is looked at only when it is needed.
 
-
-def given(value: str | PathLike[str] | ArrayLike | ArrayInput | None) -> Given:
-    """A path as text, or an array held; it is looked at only when it is needed."""
-    if value is None or isinstance(value, ArrayInput):
+    >>> as_array_input(Path("d.npy")), as_array_input([[0.0, 1.0], [1.0, 0.0]])
+    ('d.npy', <array (2, 2)>)
+    """
+    if isinstance(value, ArrayInput):
         return value
     if isinstance(value, str | PathLike):
         return str(value)
@@ -38,24 +39,31 @@ def given(value: str | PathLike[str] | ArrayLike | ArrayInput | None) -> Given:
     return ArrayInput(array)
 
 
-def matrix_of(value: Given, rows: int, what: str) -> Floats:
+def matrix_of(value: str | PathLike[str] | ArrayLike | ArrayInput | None, rows: int, what: str) -> Floats:
     """A real matrix with one row a vertex.
 
     Args:
-        value: as `given` returns it.
+        value: the path of a .npy file, or an array.
         rows: number of vertices.
         what: for the error, such as "distances".
 
     Raises:
         DistanceError: no file is named, or it holds no finite matrix with so many rows.
         OSError: the file cannot be read.
+
+    Returns:
+        (rows, k) float64, a copy.
+
+    >>> matrix_of([[1, 2], [3, 4]], 2, "embedding").tolist()
+    [[1.0, 2.0], [3.0, 4.0]]
     """
     if value is None:
         raise DistanceError(
             f"no file with the {what} is named; it is a .npy file with one row for each vertex"
         )
-    where = Path(value).name if isinstance(value, str) else f"the {what}"
-    array = _read(value) if isinstance(value, str) else value.array
+    source = as_array_input(value)
+    where = Path(source).name if isinstance(source, str) else f"the {what}"
+    array = _read(source) if isinstance(source, str) else source.array
     if array.dtype.kind not in "fiu":
         raise DistanceError(f"{where}: its entries are {array.dtype}, not real numbers")
     if array.ndim != 2 or len(array) != rows or array.shape[1] == 0:

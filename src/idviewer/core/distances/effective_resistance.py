@@ -1,7 +1,8 @@
-"""The pseudo-inverse L^+ of a boundary's Laplacian: solved for where it is wanted, or as a dense embedding.
+"""Effective resistances z^T L^+ z of a boundary's Laplacian: by sparse solves, or as a dense embedding.
 
-For z with the sum 0, z^T L^+ z = z'^T G^-1 z', where ' drops one vertex and G is L without its row and
-column: G is positive definite, and any solution of L x = z gives the same z^T x. See docs/distances.md.
+For z with the sum 0, z^T L^+ z = z'^T G^-1 z', where ' drops one vertex and the grounded Laplacian G is L
+without its row and column: G is positive definite, and any solution of L x = z gives the same z^T x. See
+docs/distances.md. Source: Klein and Randic 1993, "Resistance distance".
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.laplacian import laplacian_of
 from idviewer.core.steps import beside
 
-AT_A_TIME = 4
+SIDES_PER_SOLVE = 4
 """Right-hand sides between two checkpoints; SuperLU takes longer for each of them from eight on."""
 
-BLOCK = 96
+COLUMNS_PER_STEP = 96
 """Columns of the inverse factor between two checkpoints."""
 
 
@@ -31,6 +32,15 @@ class EffectiveResistance:
 
     Args:
         shape: n vertices.
+
+    >>> import numpy as np
+    >>> from idviewer.core import Mesh
+    >>> from idviewer.core.steps import finish
+    >>> tetrahedron = Mesh([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]],
+    ...                    [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+    >>> between_vertices = EffectiveResistance(tetrahedron).squares_steps(np.array([[1.0, -1.0, 0.0, 0.0]]))
+    >>> finish(between_vertices).round(12).tolist()
+    [0.866025403784]
     """
 
     def __init__(self, shape: Shape) -> None:
@@ -49,12 +59,12 @@ class EffectiveResistance:
             differences: (p, n) rows whose sum is 0; a row with NaN gives NaN.
 
         Returns:
-            (p,).
+            (p,), without unit: neither depends on the shape's size.
         """
         result = np.full(len(differences), np.nan)
         known = np.flatnonzero(np.isfinite(differences).all(axis=1))
-        for start in range(0, len(known), AT_A_TIME):
-            some = known[start : start + AT_A_TIME]
+        for start in range(0, len(known), SIDES_PER_SOLVE):
+            some = known[start : start + SIDES_PER_SOLVE]
             sides = np.ascontiguousarray(differences[some, 1:].T)
             result[some] = np.einsum("np,np->p", sides, self._factor.solve(sides))
             yield (start + len(some)) / len(known)
@@ -65,13 +75,16 @@ def commute_embedding_steps(shape: Shape) -> Generator[float | None, None, Float
     """(n, n - 1) rows whose squared distances are effective resistances; yields the share done, or None.
 
     With G = C C^T (Cholesky) the rows are the columns of C^-1, and 0 for the vertex that is left out.
+
+    Args:
+        shape: n vertices; it takes 8 n^2 bytes.
     """
     grounded = laplacian_of(shape)[1:, 1:].toarray()
     lower = yield from beside(lambda: np.linalg.cholesky(grounded))
     count = len(lower)
     rows = np.zeros((count + 1, count))
-    for start in range(0, count, BLOCK):
-        width = min(BLOCK, count - start)
+    for start in range(0, count, COLUMNS_PER_STEP):
+        width = min(COLUMNS_PER_STEP, count - start)
         sides = np.eye(count - start, width)
         below = lower[start:, start:]
         rows[1 + start : 1 + start + width, start:] = scipy.linalg.solve_triangular(
