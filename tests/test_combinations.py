@@ -19,12 +19,13 @@ from idviewer.core import (
     Plane,
     Polygon,
     Shape,
+    parameters_of,
     read_mesh,
     read_shape,
     sample_path,
     write_polygon,
 )
-from idviewer.core.distances import distance_from
+from idviewer.core.distances import Integer, Number, distance_from
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.state import Failure, Frame, FrameRequest, Query
 
@@ -116,3 +117,24 @@ def test_what_would_not_fit_says_why_in_one_line(coordinates: str, tmp_path: Pat
         assert isinstance(failure, Failure)
         assert "\n" not in str(failure.error)
         assert "7,000 vertices" in str(failure.error)
+
+
+NUMBERS = [
+    (kind, name)
+    for kind in DISTANCES
+    for name, one in parameters_of(DISTANCES[kind]).items()
+    if isinstance(one, Number | Integer)
+]
+
+
+@pytest.mark.parametrize(("kind", "parameter"), NUMBERS)
+def test_numbers_that_mean_nothing_are_refused_in_one_line(
+    kind: str, parameter: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ends = ("--from", "0,0,0.05", "--to", "0,0,0.15")
+    for value in ("-1", "0", "nan", "inf", "-inf", "1e999", "x", ""):
+        option = f"{parameter}={value}"
+        assert main(["distance", "hand_2k", *ends, "--distance", kind, "--set", option]) == 2
+        out, err = capfd.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert f"--set {option}: " in err

@@ -12,6 +12,7 @@ from tests.core import shapes
 
 from idviewer.core import (
     COORDINATES,
+    DISTANCES,
     GPS,
     Biharmonic,
     CommuteTime,
@@ -29,6 +30,7 @@ from idviewer.core import (
     read_shape,
     sample_path,
 )
+from idviewer.core.distances import missing_parameters
 
 Body = Mesh | Polygon
 
@@ -91,6 +93,12 @@ def inside(body: Body, rng: np.random.Generator, count: int) -> np.ndarray:
 
 def with_vertices(body: Body, vertices: np.ndarray) -> Body:
     return body.with_vertices(vertices) if isinstance(body, Polygon) else Mesh(vertices, body.faces)
+
+
+def complete(kind: str, vertices: np.ndarray) -> Distance:
+    """A distance of that name that lacks nothing."""
+    given = {"matrix": np.sqrt(apart(vertices)), "embedding": vertices}
+    return DISTANCES[kind](**{one: given[one] for one in missing_parameters(DISTANCES[kind]())})
 
 
 @cache

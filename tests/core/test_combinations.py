@@ -6,28 +6,19 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from tests.core.property_shapes import BY_ALL_COORDINATES, inside, shape
+from tests.core.property_shapes import BY_ALL_COORDINATES, complete, inside, shape
 
 from idviewer.core import (
     DISTANCES,
     Coordinates,
-    Distance,
     DistanceError,
     InteriorDistance,
     gram_distance,
     interior_distance,
     pairwise_distance,
 )
-from idviewer.core.distances import missing_parameters
-from idviewer.core.interior.embedded_points import squares_of
 
 SHAPES = pytest.mark.parametrize("name", ["random mesh", "random polygon", "random polygon with a hole"])
-
-
-def complete(kind: str, vertices: np.ndarray) -> Distance:
-    """A distance of that name that lacks nothing."""
-    given = {"matrix": np.sqrt(squares_of(vertices)), "embedding": vertices}
-    return DISTANCES[kind](**{one: given[one] for one in missing_parameters(DISTANCES[kind]())})
 
 
 @cache
