@@ -37,7 +37,7 @@ def _some_points(frame: Frame) -> list[Point]:
 
 
 def _times(body: Body, plane: Plane, source: Point) -> list[Query]:
-    middle = Diffusion().resolved_time(body.solver.spectrum)
+    middle = Diffusion().resolved_time(float(body.solver.spectrum.values[0]))
     times = middle * np.geomspace(1 / 4, 16, MOVES + 1)[1:]
     return [Query(planes=(plane,), source=source, distance=Diffusion(float(time))) for time in times]
 

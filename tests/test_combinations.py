@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.core.property_shapes import tells_points_apart
 from tests.session.bodies import egg, few_samples  # noqa: F401
 from tests.session.test_session import write_off
 
@@ -70,7 +71,7 @@ def test_they_run_and_agree(
     solver = InteriorDistance(shape, distance_from(name, given), coordinates)
     expected = float(solver.distance([source], [other])[0])
     assert np.isfinite(expected)
-    assert expected > 0.0
+    assert expected > 0.0 or not tells_points_apart(coordinates)
 
     options = ["--distance", name, "--coordinates", coordinates, "--json"]
     options += [word for key, value in given.items() for word in ("--set", f"{key}={value}")]

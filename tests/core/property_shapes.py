@@ -24,6 +24,7 @@ from idviewer.core import (
     InteriorDistance,
     Mesh,
     Polygon,
+    Property,
     SpectralFilter,
     laplacian_of,
     masses_of,
@@ -52,6 +53,13 @@ def thorough(quick: Iterable[str], everything: Iterable[str]) -> list[object]:
 
 EVERYWHERE = pytest.mark.parametrize("name", thorough(("random mesh", "random polygon with a hole"), RANDOM))
 BY_ALL_COORDINATES = pytest.mark.parametrize("coordinates", thorough(("mean_value",), COORDINATES))
+
+
+def tells_points_apart(coordinates: str) -> bool:
+    """Whether different points have different weights; piecewise constant ones have the same ones."""
+    return not {Property.LINEAR_PRECISION, Property.SMOOTHNESS}.isdisjoint(
+        COORDINATES[coordinates].properties
+    )
 
 
 @cache

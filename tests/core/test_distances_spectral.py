@@ -178,4 +178,4 @@ def test_parameters_are_fields_whose_default_is_none(paper):
                 low, high = parameter.span
                 assert low < 1 < high
     (time,) = parameters_of(Diffusion()).values()
-    assert time.default(float(paper.values[0])) == Diffusion().resolved_time(paper)
+    assert time.default(float(paper.values[0])) == Diffusion().resolved_time(float(paper.values[0]))

@@ -233,7 +233,7 @@ def test_columns_that_count_nothing_are_left_out(rng):
 @pytest.mark.slow
 def test_what_serves_several_distances_counts_the_worst_of_them():
     solver = InteriorDistance(read_mesh(sample_path("hand_2k")))
-    short = Diffusion(time=solver.boundary.distance.resolved_time(solver.spectrum) / 8)
+    short = Diffusion(time=solver.boundary.distance.resolved_time(float(solver.spectrum.values[0])) / 8)
     own, both = solver.interpolation.error_weights(), solver.interpolation.error_weights([short])
     assert (both >= own).all()
     assert both[-1] > 1000 * own[-1]

@@ -158,9 +158,24 @@ Kind = TypeVar("Kind", bound=type[Coordinates])
 
 
 def register_coordinates(kind: Kind) -> Kind:
-    """Class decorator that enters a kind of coordinates in `COORDINATES`."""
+    """Enter a kind of coordinates in `COORDINATES`; a class decorator.
+
+    Raises:
+        TypeError: the class lacks an attribute that menus or tests need, or its properties are none.
+        ValueError: another kind has its name.
+    """
+    for attribute in ("name", "title", "menu_order", "properties"):
+        if not hasattr(kind, attribute):
+            raise TypeError(
+                f"{kind.__qualname__}: coordinates have a name, a title, a menu_order and properties; "
+                f"it lacks {attribute!r}"
+            )
+    if not all(isinstance(each, Property) for each in kind.properties):
+        raise TypeError(f"{kind.__qualname__}: its properties are members of Property")
+    if kind.name in COORDINATES and COORDINATES[kind.name].__qualname__ != kind.__qualname__:
+        raise ValueError(f"there are two kinds of coordinates with the name {kind.name!r}")
     COORDINATES[kind.name] = kind
-    ordered = sorted(COORDINATES.values(), key=lambda each: each.menu_order)
+    ordered = sorted(COORDINATES.values(), key=lambda each: (each.menu_order, each.name))
     COORDINATES.clear()
     COORDINATES.update({each.name: each for each in ordered})
     return kind
@@ -169,8 +184,17 @@ def register_coordinates(kind: Kind) -> Kind:
 def coordinates_of(shape: ShapeLike, name: str) -> Coordinates:
     """The kind of coordinates of that name, for a shape.
 
+    Args:
+        shape: n vertices.
+        name: a key of `COORDINATES`.
+
     Raises:
         ValueError: there is no such kind, or it does not work in the shape's dimension.
+
+    >>> from idviewer.core import Polygon
+    >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> coordinates_of(square, "mean_value").weights([[0.5, 0.5]]).round(12).tolist()
+    [[0.25, 0.25, 0.25, 0.25]]
     """
     if name not in COORDINATES:
         raise ValueError(f"unknown coordinates {name!r}; there are: {', '.join(COORDINATES)}")

@@ -1,4 +1,7 @@
-"""Boundary distances, one file each: a file that is put here is found, and registers what it defines."""
+"""Boundary distances, one file each: a file that is put here is found, and registers what it defines.
+
+What the other layers use, and whoever adds a distance, is named in `__all__`.
+"""
 
 from importlib import import_module
 from pkgutil import iter_modules
@@ -11,7 +14,7 @@ from idviewer.core.distances.geodesic import Geodesic
 from idviewer.core.distances.given_distances import GivenDistances
 from idviewer.core.distances.given_embedding import GivenEmbedding
 from idviewer.core.distances.gps import GPS
-from idviewer.core.distances.parameters import Choice, File, Formula, Integer, Number, Parameter
+from idviewer.core.distances.parameters import Choice, Extra, File, Formula, Integer, Number, Parameter
 from idviewer.core.distances.registry import (
     DISTANCES,
     Basis,
@@ -25,7 +28,7 @@ from idviewer.core.distances.registry import (
     register_distance,
     with_defaults,
 )
-from idviewer.core.distances.spectral import percentage
+from idviewer.core.distances.spectral import Spectral, percentage
 from idviewer.core.distances.spectral_filter import SpectralFilter
 
 __all__ = [
@@ -38,6 +41,7 @@ __all__ = [
     "Diffusion",
     "Distance",
     "Euclidean",
+    "Extra",
     "File",
     "Formula",
     "Geodesic",
@@ -47,6 +51,7 @@ __all__ = [
     "Number",
     "Parameter",
     "QuadraticForm",
+    "Spectral",
     "SpectralFilter",
     "check_dimension",
     "distance_from",

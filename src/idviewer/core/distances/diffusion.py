@@ -45,19 +45,20 @@ class Diffusion(Spectral):
         paper = paper_cutoff(lambda_2)
         return paper if self.time is None else max(paper, -math.log(SMALLEST_KEPT) / self.time)
 
-    def scale(self, spectrum: Spectrum | None) -> Floats:
+    def transfer_function(self, eigenvalues: Floats) -> Floats:
         """exp(-lambda t)."""
-        return np.exp(-require_spectrum(spectrum).values * self.resolved_time(require_spectrum(spectrum)))
+        return np.exp(-eigenvalues * self.resolved_time(float(eigenvalues[0])))
 
-    def resolved_time(self, spectrum: Spectrum) -> float:
+    def resolved_time(self, lambda_2: float) -> float:
         """The time t that is used, in the shape's unit squared."""
-        return paper_time(float(spectrum.values[0])) if self.time is None else self.time
+        return paper_time(lambda_2) if self.time is None else self.time
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """Such as "Diffusion distance, t = 0.0123"; says so where the time asks for further modes."""
         known = require_spectrum(spectrum)
-        time = self.resolved_time(known)
+        lambda_2 = float(known.values[0])
+        time = self.resolved_time(lambda_2)
         words = f"{self.title}, t = {time:.3g}"
-        if known.bound < (1.0 - 1e-9) * self.cutoff(float(known.values[0])):
+        if known.bound < (1.0 - 1e-9) * self.cutoff(lambda_2):
             words += f"; modes left out weigh up to {percentage(math.exp(-known.bound * time))}"
         return words

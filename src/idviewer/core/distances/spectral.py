@@ -1,4 +1,4 @@
-"""What distances share whose embedding is (f(lambda_k) phi_k)_k."""
+"""Spectral distances, whose embedding is (f(lambda_k) phi_k)_k: their base classes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from idviewer.core.spectrum.eigen_solver import Spectrum, paper_cutoff
 
 
 class Spectral(Distance):
-    """A distance whose basis is the eigenvectors; its scale is a function of the eigenvalues."""
+    """A distance whose basis is the eigenvectors, and its scale a function of the eigenvalues.
+
+    A kind defines `transfer_function`, and `cutoff` where it wants other modes than the paper's.
+    """
 
     spectral: ClassVar[bool] = True
 
@@ -23,6 +26,21 @@ class Spectral(Distance):
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
         """The eigenvectors."""
         return require_spectrum(spectrum).vectors
+
+    def transfer_function(self, eigenvalues: Floats) -> Floats:
+        """The factor f(lambda_k) of each eigenvector.
+
+        Args:
+            eigenvalues: (k,) without 0, in one over the shape's unit squared; the first is lambda_2.
+
+        Returns:
+            (k,).
+        """
+        raise NotImplementedError
+
+    def scale(self, spectrum: Spectrum | None) -> Floats:
+        """(k,) f(lambda)."""
+        return self.transfer_function(require_spectrum(spectrum).values)
 
     @property
     def basis_key(self) -> Hashable:
@@ -40,13 +58,17 @@ class PowerOfEigenvalues(Spectral):
 
     exponent: ClassVar[float]
 
-    def scale(self, spectrum: Spectrum | None) -> Floats:
+    def transfer_function(self, eigenvalues: Floats) -> Floats:
         """lambda^exponent."""
-        return require_spectrum(spectrum).values ** self.exponent
+        return eigenvalues**self.exponent
 
 
 def require_spectrum(spectrum: Spectrum | None) -> Spectrum:
-    """The eigenpairs, which must be there."""
+    """The eigenpairs, which must be there.
+
+    Raises:
+        ValueError: they are not.
+    """
     if spectrum is None:
         raise ValueError("a spectral distance needs the shape's eigenpairs")
     return spectrum

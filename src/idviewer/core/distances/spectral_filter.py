@@ -54,14 +54,13 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
         if isinstance(self.filter, str):
             Expression(self.filter)
 
-    def scale(self, spectrum: Spectrum | None) -> Floats:
+    def transfer_function(self, eigenvalues: Floats) -> Floats:
         """f(lambda).
 
         Raises:
             DistanceError: f is negative, infinite or NaN at an eigenvalue, zero at all, or of another shape.
         """
-        values = require_spectrum(spectrum).values
-        return self._check_weights(self._at(values, float(values[0])), values)
+        return self._check_weights(self._at(eigenvalues, float(eigenvalues[0])), eigenvalues)
 
     def _at(self, values: Floats, lambda_2: float) -> Floats:
         if isinstance(self.filter, str):
