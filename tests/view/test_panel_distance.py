@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,7 @@ from idviewer.core import (
 from idviewer.session.state import Frame, Query, State
 from idviewer.view.panel import Calls
 from idviewer.view.panel_distance import DistanceGroup
-from idviewer.view.parameter_rows import ParameterRow
+from idviewer.view.parameter_rows import ChoiceRow, ParameterRow
 
 LAMBDA_2 = 0.5
 DEFAULT = 0.25
@@ -246,3 +247,21 @@ def test_a_file_that_failed_is_asked_for_again(recorder: Recorder) -> None:
     recorder.choose("matrix")
     assert recorder.calls == [GivenDistances("/bad.npy")]
     assert recorder.group.rows["matrix", "matrix"].isVisible()
+
+
+def test_a_method_that_is_not_installed_says_which_extra_it_needs(
+    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def method() -> ChoiceRow:
+        group = DistanceGroup(Calls(lambda **fields: None, lambda text: None))
+        qtbot.addWidget(group)
+        return group.rows["geodesic", "method"]
+
+    assert [method().box.itemText(index) for index in range(2)] == ["Heat method", "Exact (slow)"]
+    assert "install" not in method().box.toolTip()
+    monkeypatch.setitem(sys.modules, "pygeodesic", None)
+    assert [method().box.itemText(index) for index in range(2)] == [
+        "Heat method",
+        "Exact (slow), not installed",
+    ]
+    assert method().box.toolTip().endswith("pip install 'idviewer[exact-geodesics]'")
