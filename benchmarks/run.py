@@ -18,11 +18,13 @@ from pathlib import Path
 from types import ModuleType
 
 import drag
+import event_loop
 import growth
 import gui
 import machine
 import memory
 import opening
+import preparation
 import sliders
 import spectrum
 import tree
@@ -43,7 +45,19 @@ ARMADILLO = ROOT.parent / "shared" / "meshes" / "armadillo.obj"
 SIZES = (2_500, 7_900, 27_000, 43_000, 134_000, 537_000)
 SUBJECTS: dict[str, ModuleType] = {
     module.__name__: module
-    for module in (weights, tree, drag, sliders, growth, gui, memory, spectrum, opening)
+    for module in (
+        weights,
+        tree,
+        drag,
+        sliders,
+        growth,
+        gui,
+        event_loop,
+        memory,
+        preparation,
+        spectrum,
+        opening,
+    )
 }
 
 

@@ -7,13 +7,19 @@ import hashlib
 import importlib.util
 import os
 import shutil
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import hypothesis
 import numpy as np
 import pytest
 
+SEED = 20090715
+"""Of all random numbers, unless `--hypothesis-seed` gives another."""
+
 hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None)
+hypothesis.settings.register_profile("seeded", deadline=None)
 hypothesis.settings.load_profile("repeatable")
 
 CORE = Path(__file__).parents[1] / "src" / "idviewer" / "core"
@@ -49,6 +55,45 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         if importlib.util.find_spec(plugin) is None:
             for name in names:
                 parser.addini(name, f"of {plugin}, which is not installed")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Has hypothesis heed a seed that is given, which it does not where all runs draw the same."""
+    if config.getoption("hypothesis_seed") is not None:
+        hypothesis.settings.load_profile("seeded")
+
+
+def seed_of(config: pytest.Config) -> int:
+    """The number after `--hypothesis-seed`, which holds for the `rng` fixture too."""
+    return int(config.getoption("hypothesis_seed") or SEED)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_report_teststatus(report: pytest.TestReport, config: pytest.Config) -> tuple[str, str, str] | None:
+    """With -q, and where nobody watches, a test that passes prints no dot."""
+    watched = config.pluginmanager.get_plugin("terminalreporter").isatty
+    silent = report.passed and report.when == "call" and config.get_verbosity() < 0 and not watched
+    return ("passed", "", "") if silent else None
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, exitstatus: int, config: pytest.Config
+) -> None:
+    """Says after failures which random numbers they had, and how to have them again."""
+    if exitstatus == pytest.ExitCode.TESTS_FAILED:
+        given = config.getoption("hypothesis_seed") is not None
+        option = f"--hypothesis-seed={seed_of(config)} " if given else ""
+        same = "" if given else ", hypothesis derandomized: the same in every run"
+        terminalreporter.write_line(f"Seed of the random numbers: {seed_of(config)}{same}.")
+        terminalreporter.write_line(f'To repeat a failure: make test PYTEST_ARGS="{option}NAME"')
+
+
+@pytest.fixture(scope="session")
+def locks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of files that processes lock; it is the same for all that share out the tests."""
+    folder = tmp_path_factory.getbasetemp().parent / "locks"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -93,6 +138,29 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture
-def rng() -> np.random.Generator:
-    """Random numbers that are the same in every run and every test."""
-    return np.random.default_rng(20090715)
+def rng(pytestconfig: pytest.Config) -> np.random.Generator:
+    """Random numbers that are the same in every test, and in every run with the same seed."""
+    return np.random.default_rng(seed_of(pytestconfig))
+
+
+@pytest.fixture
+def calls_of() -> Callable[[Callable[[], object]], int]:
+    """How many calls of functions, Python's and others, a call makes: what it costs on any machine."""
+
+    def count(call: Callable[[], object]) -> int:
+        calls = 0
+
+        def see(_frame: object, event: str, _argument: object) -> None:
+            nonlocal calls
+            calls += event in ("call", "c_call")
+
+        call()  # what is done the first time only
+        outer = sys.getprofile()
+        sys.setprofile(see)
+        try:
+            call()
+        finally:
+            sys.setprofile(outer)
+        return calls
+
+    return count

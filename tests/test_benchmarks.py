@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
-SUBJECTS = ("weights", "tree", "drag", "sliders", "gui", "spectrum", "opening")
+SUBJECTS = ("weights", "drag", "sliders", "gui", "opening")
 """Those that are quick on a small shape."""
 
 
@@ -71,7 +71,7 @@ def test_small_runs_measure(tmp_path: Path) -> None:
         tmp_path / "out.json",
     ]
     command = [sys.executable, FOLDER / "run.py", *small, "--only", *SUBJECTS]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=170)
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     rows = [
         row for rows in json.loads((tmp_path / "out.json").read_text())["tables"].values() for row in rows

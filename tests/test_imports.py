@@ -44,7 +44,7 @@ COMMAND_LINE = ("cyclopts",)
 
 def run_without(modules: tuple[str, ...], code: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-W", "error", "-c", BLOCK + code, ",".join(modules)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.slow
@@ -71,5 +71,5 @@ def test_pictures_need_no_qt() -> None:
     # VTK's and PyVista's own imports are theirs to warn about.
     code = BLOCK + "import warnings; warnings.simplefilter('default'); import idviewer.view.images"
     command = [sys.executable, "-c", code, ",".join(QT)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

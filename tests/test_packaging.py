@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 
 def call(*command: object, **more: object) -> subprocess.CompletedProcess[str]:
     words = [str(word) for word in command]
-    return subprocess.run(words, capture_output=True, text=True, timeout=170, check=False, **more)  # type: ignore[call-overload]
+    return subprocess.run(words, capture_output=True, text=True, check=False, **more)  # type: ignore[call-overload]
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from idviewer.core.sampling import settings
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
 
-WAIT = 60.0
+WAIT = 300.0
 """Seconds after which a test that waits for the compute thread fails."""
 
 
@@ -46,7 +46,7 @@ class Owner:
         self._posted.put(call)
 
     def run_until(self, done: Callable[[], bool]) -> None:
-        """Run what is posted until done; raises queue.Empty if nothing comes for a minute."""
+        """Run what is posted until done; raises queue.Empty if nothing comes any more."""
         while not done():
             self._posted.get(timeout=WAIT)()
 

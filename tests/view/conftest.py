@@ -5,14 +5,16 @@ from __future__ import annotations
 import gc
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from pytestqt.qtbot import QtBot
 
 if TYPE_CHECKING:
-    from pytestqt.qtbot import QtBot
+    from PySide6.QtWidgets import QWidget
     from tests.view.mouse import Mouse
 
 # Before Qt's first look at them.
@@ -24,6 +26,8 @@ NO_XVFB = (
     "the window tests need Xvfb, and there is none: `make test` installs it, or `apt-get install xvfb`; "
     "to watch them on your own screen instead, run pytest with --no-xvfb"
 )
+PATIENCE = 300_000
+"""Milliseconds for whatever a test waits for, the compilation of kernels included."""
 PASSED: pytest.StashKey[bool] = pytest.StashKey()
 
 
@@ -41,6 +45,24 @@ def own_settings(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("settings")
     os.environ["XDG_CONFIG_HOME"] = str(folder)
     return folder
+
+
+class PatientBot(QtBot):
+    """Gives a busy machine time: what it waits for fails a test by never coming, not by coming late."""
+
+    def waitUntil(self, callback: Callable[[], bool | None], *, timeout: int = PATIENCE) -> None:  # noqa: N802
+        """As pytest-qt's, whose 5 seconds are few while other programs run."""
+        super().waitUntil(callback, timeout=timeout)
+
+    def waitExposed(self, widget: QWidget, *, timeout: int = PATIENCE) -> AbstractContextManager[None]:  # noqa: N802
+        """Likewise."""
+        return super().waitExposed(widget, timeout=timeout)
+
+
+@pytest.fixture
+def qtbot(qapp: object, request: pytest.FixtureRequest) -> QtBot:
+    """In place of pytest-qt's own."""
+    return PatientBot(request)
 
 
 @pytest.fixture

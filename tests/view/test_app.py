@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from pytestqt.qtbot import QtBot
-from tests.view.windows import LONG, show_window, write_ellipsoid
+from tests.view.windows import show_window, write_ellipsoid
 
 from idviewer import app
 
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 def windows_named(title: str) -> list[str]:
     """The X server's visible windows with this title."""
     found = subprocess.run(
-        ["xdotool", "search", "--onlyvisible", "--name", title], capture_output=True, text=True, timeout=20
+        ["xdotool", "search", "--onlyvisible", "--name", title], capture_output=True, text=True
     )
     return found.stdout.split()
 
@@ -28,10 +28,10 @@ def test_the_command_line_opens_a_mesh_and_ctrl_q_ends_it(qtbot: QtBot, tmp_path
     with subprocess.Popen(
         [sys.executable, "-m", "idviewer", str(path)], stderr=subprocess.PIPE, text=True
     ) as it:
-        qtbot.waitUntil(lambda: bool(windows_named(f"^{path.name}")), timeout=LONG)
+        qtbot.waitUntil(lambda: bool(windows_named(f"^{path.name}")))
         window = windows_named(f"^{path.name}")[0]
-        subprocess.run(["xdotool", "windowfocus", "--sync", window, "key", "ctrl+q"], check=True, timeout=20)
-        _, complaints = it.communicate(timeout=60)
+        subprocess.run(["xdotool", "windowfocus", "--sync", window, "key", "ctrl+q"], check=True)
+        _, complaints = it.communicate()
     assert it.returncode == 0
     assert complaints == ""
 

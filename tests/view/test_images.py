@@ -189,7 +189,7 @@ def _draw(**environment):
     known = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     code = DRAW.format(paths=[str(root), str(root / "src")])
     return subprocess.run(
-        [sys.executable, "-c", code], env=known | environment, capture_output=True, text=True, timeout=100
+        [sys.executable, "-c", code], env=known | environment, capture_output=True, text=True
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from pytestqt.qtbot import QtBot
-from tests.view.windows import LONG, show_window
+from tests.view.windows import show_window
 
 from idviewer.core.interior import preview
 from idviewer.core.io.samples import sample_path
@@ -34,7 +34,7 @@ def test_a_preview_is_marked_until_the_final_picture_is_there(qtbot: QtBot) -> N
     window.session.frame_ready.connect(
         lambda frame: frames.append((frame.preview, window.status.preview.text()))
     )
-    qtbot.waitUntil(lambda: bool(frames) and window.session.frame.exact, timeout=LONG)
+    qtbot.waitUntil(lambda: bool(frames) and window.session.frame.exact)
     assert frames[0][0] is not None
     for error, words in frames:
         assert words.startswith("Preview, error about") == (error is not None)
@@ -54,13 +54,13 @@ def test_cancelled_in_a_stage_the_window_says_what_it_shows_and_goes_on_when_ask
             window.cancel()
 
     window.session.progressed.connect(cancel_there)
-    qtbot.waitUntil(lambda: stage in stages and not window.session.busy, timeout=LONG)
+    qtbot.waitUntil(lambda: stage in stages and not window.session.busy)
     shown = window.session.frame
     assert window.status.stage.text() == "Cancelled"
     assert window.status.preview.isVisible() == (shown is not None)
     assert "refining" not in window.status.preview.text()
     window.status.button.click()
-    qtbot.waitUntil(lambda: window.session.frame is not None and window.session.frame.exact, timeout=LONG)
+    qtbot.waitUntil(lambda: window.session.frame is not None and window.session.frame.exact)
     assert not window.status.preview.isVisible()
 
 
@@ -69,5 +69,5 @@ def test_it_closes_in_a_stage(qtbot: QtBot, stage: str) -> None:
     window = opened(qtbot)
     stages: list[str] = []
     window.session.progressed.connect(lambda progress: stages.append(getattr(progress, "stage", "")))
-    qtbot.waitUntil(lambda: stage in stages, timeout=LONG)
+    qtbot.waitUntil(lambda: stage in stages)
     window.close()

@@ -13,7 +13,6 @@ from tests.core import shapes
 from tests.view.mouse import Mouse
 from tests.view.windows import (
     AXES,
-    LONG,
     focus,
     pixels_of,
     show_shape,
@@ -159,7 +158,7 @@ def test_dragging_the_time_recolours_live_without_sampling(
     for step in range(1, 7):
         count = len(titles)
         mouse.move(row.slider, x + step * row.slider.width() / 12, middle)
-        qtbot.waitUntil(lambda count=count: len(titles) > count, timeout=LONG)
+        qtbot.waitUntil(lambda count=count: len(titles) > count)
     assert len(set(titles)) >= 4, "the picture follows while the button is down"
     mouse.release()
     frame = wait_until_done(qtbot, session)

@@ -28,8 +28,6 @@ from idviewer.view.window import MainWindow
 SIZE = (1000, 640)
 AXES = np.array([1.6, 0.6, 0.4])
 """Of the test shape: long in x, flat in z."""
-LONG = 120_000
-"""Milliseconds for whatever may have to compile kernels first."""
 
 
 def write_ellipsoid(folder: Path, name: str = "ellipsoid.ply") -> Path:
@@ -80,7 +78,7 @@ def wait_until_done(qtbot: QtBot, session: Session) -> Frame:
     errors: list[BaseException] = []
     session.failed.connect(errors.append)
     try:
-        qtbot.waitUntil(lambda: bool(errors) or done(), timeout=LONG)
+        qtbot.waitUntil(lambda: bool(errors) or done())
     finally:
         session.failed.disconnect(errors.append)
     assert not errors, errors
