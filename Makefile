@@ -22,7 +22,7 @@ run: system-run $(VENV)/installed-run ## open the window; MESH=file or a bundled
 	@$(PYTHON_IN) -m idviewer $(if $(MESH),"$(MESH)")
 
 test: system-test $(VENV)/installed-test ## the whole test suite (PYTEST_ARGS are passed on)
-	@OPENBLAS_NUM_THREADS=1 $(PYTHON_IN) -m pytest --numprocesses 2 --dist loadfile $(PYTEST_ARGS)
+	@OPENBLAS_NUM_THREADS=1 $(PYTHON_IN) -m pytest --quiet --numprocesses 2 --dist worksteal $(PYTEST_ARGS)
 
 check: lint system-test $(VENV)/installed-test ## formatting, lint, types, import contracts and the fast tests, in under a minute
 	@OPENBLAS_NUM_THREADS=1 $(PYTHON_IN) -m pytest -q -m "not slow" --ignore=tests/view $(PYTEST_ARGS)

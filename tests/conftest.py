@@ -68,12 +68,24 @@ def seed_of(config: pytest.Config) -> int:
     return int(config.getoption("hypothesis_seed") or SEED)
 
 
+def is_silent(config: pytest.Config) -> bool:
+    """Whether nothing but failures and the closing line are wanted: with -q, where nobody watches."""
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    return config.get_verbosity() < 0 and reporter is not None and not reporter.isatty
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Has xdist not tell twice that it brings up nodes, which it does with -q too."""
+    reporter = session.config.pluginmanager.get_plugin("terminaldistreporter")
+    if reporter is not None and is_silent(session.config):
+        reporter.ensure_show_status = lambda: None
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_report_teststatus(report: pytest.TestReport, config: pytest.Config) -> tuple[str, str, str] | None:
-    """With -q, and where nobody watches, a test that passes prints no dot."""
-    watched = config.pluginmanager.get_plugin("terminalreporter").isatty
-    silent = report.passed and report.when == "call" and config.get_verbosity() < 0 and not watched
-    return ("passed", "", "") if silent else None
+    """Spares the dots."""
+    return ("passed", "", "") if report.passed and report.when == "call" and is_silent(config) else None
 
 
 def pytest_terminal_summary(

@@ -47,7 +47,6 @@ def test_picks_are_right_on_dense_screens(scale: str) -> None:
     test = f"{__file__}::test_the_source_is_drawn_where_the_mouse_clicked"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--no-xvfb", test]
     environment = {**os.environ, "QT_SCALE_FACTOR": scale, "IDVIEWER_PICKING": scale}
-    environment.pop("PYTEST_XDIST_WORKER", None)  # it is part of this test, and must not wait for its turn
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
 
