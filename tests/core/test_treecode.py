@@ -12,7 +12,7 @@ from tests.core.test_mean_value import bumpy_sphere
 from idviewer.core import Diffusion, InteriorDistance, Mesh, read_mesh, sample_path
 from idviewer.core._kernels.treecode.normalize import Target
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
-from idviewer.core.coordinates.tolerance import FINEST, Approximation
+from idviewer.core.coordinates.tolerance import Approximation, ApproximationSettings
 from idviewer.core.coordinates.treecode import Treecode
 from idviewer.core.interior import extent
 from idviewer.core.steps import finish
@@ -162,7 +162,7 @@ def test_below_the_finest_tolerance_everything_is_exact(rng):
     coordinates = MeshMeanValue(mesh)
     exact = finish(coordinates.interpolate_steps(points, values))
     approximation = coordinates.approximation(values, np.ones(20))
-    for tolerance in (0.99 * FINEST, 1e-15, 1e-300):
+    for tolerance in (0.99 * ApproximationSettings().finest_tolerance, 1e-15, 1e-300):
         near = finish(approximation.interpolate_steps(points, tolerance))
         np.testing.assert_array_equal(near, exact)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.core.test_mean_value import bumpy_sphere
 
-from idviewer.core._kernels.treecode.clusters import CLEARANCE
+from idviewer.core._kernels.treecode.clusters import LEAST_RADII
 from idviewer.core._kernels.treecode.expansion import INDICES, TABLES, monomials
 from idviewer.core.coordinates.treecode import Treecode
 from idviewer.core.steps import finish
@@ -42,11 +42,11 @@ def test_the_moments_of_every_node_give_its_far_field(rng):
         place, count = node - (1 << level), len(mesh.faces)
         own = ordered[(count * place) >> level : (count * (place + 1)) >> level]
         direction = rng.normal(size=3)
-        away = 6 * CLEARANCE * nodes.radii[node] * direction / np.linalg.norm(direction)
+        away = 6 * LEAST_RADII * nodes.radii[node] * direction / np.linalg.norm(direction)
         point = nodes.centres[node] - away
         direct = far_field(places, own, np.column_stack([np.ones(len(places)), places, values]), point)
         rows = slice(nodes.first[node], nodes.first[node] + nodes.ranks[node])
-        moments = factors.shapes[rows].T @ factors.profiles[rows][:, :8]
+        moments = factors.left[rows].T @ factors.right[rows][:, :8]
         series = derivatives(away) @ moments
         size = np.abs(direct).max()
         np.testing.assert_allclose(series, direct, atol=2e-4 * size)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
-from typing import Protocol
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -12,14 +13,22 @@ from idviewer.core._kernels.treecode.normalize import Target
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.coordinates.treecode import Treecode
 
-FINEST = 5e-6
-"""For smaller tolerances the exact loop over all faces is about as quick, and single precision ends."""
 
-AIMS = 0.7, 0.07
-"""Shares of the tolerance that are aimed at, one after the other; points that fail both checks are exact."""
+@dataclass(frozen=True)
+class ApproximationSettings:
+    """How an approximation meets its tolerance.
 
-NEGLIGIBLE = 0.2
-"""Share of the tolerance up to which columns that count little are left out, as zeros."""
+    Attributes:
+        finest_tolerance: for smaller ones the exact loop over all faces is about as quick, and single
+            precision ends.
+        aims: shares of the tolerance that are aimed at, one after the other; points that fail all checks are
+            evaluated exactly.
+        negligible_share: share of the tolerance up to which columns that count little are left out, as zeros.
+    """
+
+    finest_tolerance: float = 5e-6
+    aims: tuple[float, ...] = (0.7, 0.07)
+    negligible_share: float = 0.2
 
 
 class ExactCoordinates(Protocol):
@@ -54,6 +63,8 @@ class Approximation:
         weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
     """
 
+    settings: ClassVar[ApproximationSettings] = ApproximationSettings()
+
     def __init__(self, coordinates: ExactCoordinates, values: Floats, weights: Floats) -> None:
         self._coordinates, self._values, self._weights = coordinates, values, weights
         self._trees: dict[int, tuple[Treecode, Ints]] = {}
@@ -68,7 +79,7 @@ class Approximation:
         Returns:
             (p, k), NaN for points outside the mesh.
         """
-        if tolerance < FINEST:
+        if tolerance < self.settings.finest_tolerance:
             return (yield from self._coordinates.interpolate_steps(points, self._values))
         tree, columns = yield from self.prepare_steps(tolerance)
         result = np.zeros((len(points), self._values.shape[1]))
@@ -77,7 +88,7 @@ class Approximation:
         near = np.abs(places).max(axis=1, initial=0.0) <= 0.5
         result[~near] = np.nan
         left = np.flatnonzero(near)
-        for aim in AIMS:
+        for aim in self.settings.aims:
             doubtful = np.zeros(len(left), dtype=np.bool_)
             target = Target(left, columns, result, doubtful)
             yield from tree.interpolate_steps(places[left], aim * tolerance, tolerance, target)
@@ -106,5 +117,5 @@ class Approximation:
         """All but the columns that together stay below a part of the tolerance."""
         largest = np.abs(self._weights) * np.abs(self._values).max(axis=0, initial=0.0)
         order = np.argsort(largest, kind="stable")
-        dropped = np.sqrt(np.cumsum(largest[order] ** 2)) <= NEGLIGIBLE * tolerance
+        dropped = np.sqrt(np.cumsum(largest[order] ** 2)) <= self.settings.negligible_share * tolerance
         return np.sort(order[~dropped])

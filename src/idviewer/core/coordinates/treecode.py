@@ -4,60 +4,82 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from dataclasses import dataclass
 
 import numpy as np
 
 from idviewer.core._kernels import LANES, thread_count
+from idviewer.core._kernels.treecode.bisection import bisection_order
 from idviewer.core._kernels.treecode.clusters import RECORD, Nodes, records_of, sum_level, sum_subtrees
-from idviewer.core._kernels.treecode.descent import Tree, descend, opening_radii
 from idviewer.core._kernels.treecode.expansion import COEFFICIENTS, ORDER, TABLES
 from idviewer.core._kernels.treecode.factors import Factors, Plan, factor_workspaces
-from idviewer.core._kernels.treecode.halving import halved
 from idviewer.core._kernels.treecode.leaf import leaves_of
 from idviewer.core._kernels.treecode.moments import Source
 from idviewer.core._kernels.treecode.normalize import FIRST_VALUE, POSITION, Target
-from idviewer.core._kernels.treecode.point_lists import LEAST_TOTAL
-from idviewer.core._kernels.treecode.workspace import aligned, rooms
+from idviewer.core._kernels.treecode.point_lists import LEAST_WEIGHT_SUM
+from idviewer.core._kernels.treecode.traversal import Accuracy, Tree, opening_radii, traverse
+from idviewer.core._kernels.treecode.workspace import aligned, workspaces
 from idviewer.core.arrays import Floats, Ints
 
-LEVELS_OF_A_SUBTREE = 7
-SUBTREES_AT_ONCE = 4
-FACTORS_OF_A_NODE = 8
-"""Room for factors, on average over a subtree; nodes that find none leave their work to their children."""
 
-CHUNK = 1024
-"""Most points that go down the tree together."""
+@dataclass(frozen=True)
+class TreecodeSettings:
+    """How a treecode is built and evaluated; all but two fields change its speed alone.
 
-LEAST_CHUNK = 64
-"""Smaller chunks cost more than an idle worker."""
+    Attributes:
+        factor_share: share of a node's error that left out factors may cause.
+        error_safety: errors of values are at most about so many times those of positions, which are known.
+        subtree_levels: levels of the subtrees that are built side by side.
+        subtrees_per_step: subtrees between two checkpoints.
+        factors_per_node: space for factors, on average over a subtree; nodes that find none leave their work
+            to their children.
+        rows_per_step: rows of a table that are copied between two checkpoints.
+        points_per_step: points between two checkpoints: about 10 ms on two cores.
+        largest_chunk: most points that traverse the tree together.
+        least_chunk: points; smaller chunks cost more than an idle worker.
+        chunks_per_share: a worker takes one part in so many of its even share of the points that are left.
+    """
 
-AT_ONCE = 2048
-"""Points between two checkpoints: about 10 ms on two cores."""
+    factor_share: float = 0.08
+    error_safety: float = 3.0
+    subtree_levels: int = 7
+    subtrees_per_step: int = 4
+    factors_per_node: int = 8
+    rows_per_step: int = 2**11
+    points_per_step: int = 2048
+    largest_chunk: int = 1024
+    least_chunk: int = 64
+    chunks_per_share: float = 1.5
 
-EVEN = 1.5
-"""A worker takes one part in so many of its even share of what is left."""
 
-SHARE = 0.08
-"""Part of a node's error that left out factors may cause."""
-
-DOUBT = 3.0
-"""Errors of values are at most about so many times those of the positions, which are known."""
-
-ROWS = 2**11
-"""Of a table, copied between two checkpoints."""
+TREECODE_SETTINGS = TreecodeSettings()
 
 
 class Treecode:
     """Values at the vertices of a mesh, ready to be carried inside by mean value coordinates.
 
     Use `build_steps`. Source: docs/treecode.md.
+
+    Args:
+        tree: what traversals need.
+        nodes: of the tree.
+        surface_distance: how near the surface a point counts as lying on it.
+        settings: how it is evaluated.
     """
 
-    def __init__(self, tree: Tree, nodes: Nodes, on_surface: float) -> None:
-        self._tree, self._on_surface = tree, on_surface
+    def __init__(
+        self,
+        tree: Tree,
+        nodes: Nodes,
+        surface_distance: float,
+        settings: TreecodeSettings = TREECODE_SETTINGS,
+    ) -> None:
+        self._tree, self._surface_distance, self._settings = tree, surface_distance, settings
         self.nodes = nodes
         self._workers = thread_count()
-        self._room = rooms(tree.leaves, tree.values.shape[1], CHUNK, self._workers)
+        self._workspaces = workspaces(
+            tree.leaves, tree.values.shape[1], settings.largest_chunk, self._workers
+        )
 
     @classmethod
     def build_steps(
@@ -66,7 +88,8 @@ class Treecode:
         values: Floats,
         weights: Floats,
         tolerance: float,
-        on_surface: float,
+        surface_distance: float,
+        settings: TreecodeSettings = TREECODE_SETTINGS,
     ) -> Generator[float, None, Treecode]:
         """Build a tree; yields the share done every few milliseconds.
 
@@ -75,19 +98,23 @@ class Treecode:
             values: (n, k).
             weights: (k,) errors of values are measured as |weights * error|.
             tolerance: the smallest error that will be asked for.
-            on_surface: how near the surface a point counts as lying on it.
+            surface_distance: how near the surface a point counts as lying on it, in that unit.
+            settings: how it is built and evaluated.
+
+        Returns:
+            The treecode of columns 1, x, y, z and the values.
         """
         positions, faces = mesh
         depth = max(0, math.ceil(math.log2(len(faces) / LANES)))
-        ordered = faces[halved(positions[faces].mean(axis=1), depth)]
+        ordered = faces[bisection_order(positions[faces].mean(axis=1), depth)]
         yield 0.1
         first_face = (len(faces) * np.arange((1 << depth) + 1)) >> depth
         leaves = leaves_of(positions, ordered, first_face)
         yield 0.2
         columns = FIRST_VALUE + values.shape[1]
         rows = aligned((len(leaves.vertices), -(-columns // LANES) * LANES))
-        for start in range(0, len(rows), ROWS):
-            part = slice(start, start + ROWS)
+        for start in range(0, len(rows), settings.rows_per_step):
+            part = slice(start, start + settings.rows_per_step)
             vertices = leaves.vertices[part]
             rows[part, 0], rows[part, POSITION:FIRST_VALUE] = 1.0, positions[vertices]
             rows[part, FIRST_VALUE:columns] = values[vertices]
@@ -95,10 +122,11 @@ class Treecode:
         counts = np.zeros(rows.shape[1])
         counts[:FIRST_VALUE], counts[FIRST_VALUE:columns] = 1.0, weights
         source = Source(*leaves[1:], rows, counts, depth)
-        nodes, factors = yield from _summed(source, Plan(tolerance * LEAST_TOTAL, SHARE, TABLES))
+        plan = Plan(tolerance * LEAST_WEIGHT_SUM, settings.factor_share, TABLES)
+        nodes, factors = yield from _summed(source, plan, settings)
         records = aligned((2 << depth, RECORD))
         records[:] = records_of(nodes)
-        return cls(Tree(depth, records, factors, leaves, rows), nodes, on_surface)
+        return cls(Tree(depth, records, factors, leaves, rows), nodes, surface_distance, settings)
 
     def interpolate_steps(
         self, points: Floats, tolerance: float, bound: float, target: Target
@@ -111,30 +139,41 @@ class Treecode:
             bound: error above which a point is doubtful.
             target: where the values go, NaN for points that are certainly outside.
         """
-        order = halved(points, max(0, math.ceil(math.log2(max(len(points), 1) / LANES))))
-        for start in range(0, len(points), AT_ONCE):
-            places = order[start : start + AT_ONCE]
-            descend(
-                points[places],
-                _cuts(len(places), self._workers),
-                *self._tree,
-                *(tolerance, SHARE, self._on_surface, opening_radii(tolerance), DOUBT, bound),
-                *(self._room, np.zeros(1, dtype=np.int64), places, target),
-            )
+        order = bisection_order(points, max(0, math.ceil(math.log2(max(len(points), 1) / LANES))))
+        settings = self._settings
+        accuracy = Accuracy(
+            tolerance,
+            settings.factor_share,
+            self._surface_distance,
+            opening_radii(tolerance),
+            settings.error_safety,
+            bound,
+        )
+        for start in range(0, len(points), settings.points_per_step):
+            places = order[start : start + settings.points_per_step]
+            chunks, queue = chunks_of(len(places), self._workers, settings), np.zeros(1, dtype=np.int64)
+            traverse(points[places], chunks, places, *self._tree, accuracy, self._workspaces, queue, target)
             yield (start + len(places)) / len(points)
 
 
-def _cuts(count: int, workers: int) -> Ints:
-    """Where chunks begin, and the end; they become smaller, so that workers finish together."""
+def chunks_of(count: int, workers: int, settings: TreecodeSettings) -> Ints:
+    """Where chunks of so many points begin, and the end; they shrink, so that workers finish together.
+
+    >>> chunks_of(500, 2, TreecodeSettings(least_chunk=64)).tolist()
+    [0, 160, 272, 336, 400, 464, 500]
+    """
     cuts = [0]
     while cuts[-1] < count:
         left = count - cuts[-1]
-        size = min(CHUNK, max(LEAST_CHUNK, int(left / (EVEN * workers)) // LANES * LANES))
+        fair = int(left / (settings.chunks_per_share * workers)) // LANES * LANES
+        size = min(settings.largest_chunk, max(settings.least_chunk, fair))
         cuts.append(min(count, cuts[-1] + size))
     return np.array(cuts)
 
 
-def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, Factors]]:
+def _summed(
+    source: Source, plan: Plan, settings: TreecodeSettings
+) -> Generator[float, None, tuple[Nodes, Factors]]:
     """Moments of all nodes, from the leaves upwards."""
     count, width = 2 << source.depth, source.values.shape[1]
     nodes = Nodes(
@@ -145,24 +184,24 @@ def _summed(source: Source, plan: Plan) -> Generator[float, None, tuple[Nodes, F
         np.zeros(count, dtype=np.int64),
         np.zeros(count, dtype=np.int64),
     )
-    level = min(source.depth, max(1, source.depth - LEVELS_OF_A_SUBTREE))
-    at_once = min(SUBTREES_AT_ONCE, 1 << level)
+    level = min(source.depth, max(1, source.depth - settings.subtree_levels))
+    at_once = min(settings.subtrees_per_step, 1 << level)
     kept = np.empty((1 << level, COEFFICIENTS, width))
-    room = _room_for(FACTORS_OF_A_NODE * (2 << (source.depth - level)), width, at_once)
+    space = _empty_factors(settings.factors_per_node * (2 << (source.depth - level)), width, at_once)
     largest = int(np.diff(source.first_row).max())
-    desks = factor_workspaces(width, largest, source.depth - level + 1, at_once)
+    factor_space = factor_workspaces(width, largest, source.depth - level + 1, at_once)
     used, parts, total = np.empty(at_once, dtype=np.int64), [], 0
     for first in range(1 << level, 2 << level, at_once):
-        sum_subtrees(source, first, level, *plan, nodes, room, desks, used, kept)
+        sum_subtrees(source, first, level, *plan, nodes, space, factor_space, used, kept)
         for i in range(at_once):
             for rise in range(source.depth - level + 1):
                 nodes.first[(first + i) << rise : (first + i + 1) << rise] += total
-            parts.append(Factors(*(array[i, : used[i]].copy() for array in room)))
+            parts.append(Factors(*(array[i, : used[i]].copy() for array in space)))
             total += int(used[i])
         yield 0.3 + 0.6 * (first + at_once - (1 << level)) / (1 << level)
-    top, used_by_top = _room_for(FACTORS_OF_A_NODE << level, width, 1), 0
+    top, used_by_top = _empty_factors(settings.factors_per_node << level, width, 1), 0
     for above in range(level - 1, -1, -1):
-        used_by_top = sum_level(source, above, *plan, nodes, top, desks, kept, used_by_top)
+        used_by_top = sum_level(source, above, *plan, nodes, top, factor_space, kept, used_by_top)
         yield 0.9
     nodes.first[: 1 << level] += total
     parts.append(Factors(*(array[0, :used_by_top] for array in top)))
@@ -185,7 +224,7 @@ def _packed(parts: list[Factors]) -> Generator[float, None, Factors]:
     return Factors(*result)
 
 
-def _room_for(factors: int, width: int, subtrees: int) -> Factors:
+def _empty_factors(factors: int, width: int, subtrees: int) -> Factors:
     return Factors(
         np.empty((subtrees, factors, COEFFICIENTS), dtype=np.float32),
         np.empty((subtrees, factors, width), dtype=np.float32),

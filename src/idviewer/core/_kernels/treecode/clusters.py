@@ -22,12 +22,12 @@ from idviewer.core.arrays import Floats
 
 Floats32 = NDArray[np.float32]
 
-CLEARANCE = 1.2
+LEAST_RADII = 1.2
 """The expansion of a node is never used nearer than so many of its radii."""
 
 
 class Nodes(NamedTuple):
-    """What the far field needs of each node; arrays of 2^(depth + 1).
+    """Nodes as the far field needs them; arrays of 2^(depth + 1).
 
     Attributes:
         centres: (.., 3) of a ball around the node.
@@ -48,7 +48,7 @@ class Nodes(NamedTuple):
 
 @numba.njit(**ALLOCATION_FREE)
 def _enclose(source, node, level, nodes):  # type: ignore[no-untyped-def]
-    """The ball of a node: its centre and radius."""
+    """Fill in the ball of a node: its centre and radius."""
     corners, middles, centre = source.corners, source.centres, nodes.centres[node]
     rise = source.depth - level
     first = (node - (1 << level)) << rise
@@ -60,7 +60,7 @@ def _enclose(source, node, level, nodes):  # type: ignore[no-untyped-def]
                 for face in range(LANES):  # the last is repeated where there are fewer
                     value = middles[leaf, axis] + corners[leaf, corner, axis, face]
                     lowest, highest = min(lowest, value), max(highest, value)
-        # In single precision, as points that go down the tree will read it.
+        # In single precision, as traversals will read it.
         centre[axis] = np.float32(0.5 * (lowest + highest))
     largest = 0.0
     for leaf in range(first, end):
@@ -74,56 +74,58 @@ def _enclose(source, node, level, nodes):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _finish(moments, node, source, plan, nodes, factors, first, desk):  # type: ignore[no-untyped-def]
-    """What a node whose moments are complete keeps of them; returns where the next node's factors begin."""
+def _finish(moments, node, source, plan, nodes, factors, first, workspace):  # type: ignore[no-untyped-def]
+    """Fill in a node whose moments are complete; returns where the next node's factors begin."""
     for axis in range(3):
         nodes.areas[node, axis] = -2.0 * moments[axis, 0]  # column 0 is all ones: -1/2 integral n dA
     bound_errors(moments, source.weights, nodes.radii[node], plan.tables, nodes.bounds[node])
     distance = nodes.bounds[node, ORDER] / plan.tolerance ** (1.0 / (ORDER + 3))
-    distance = max(distance, CLEARANCE * nodes.radii[node])
+    distance = max(distance, LEAST_RADII * nodes.radii[node])
     nodes.first[node], nodes.ranks[node] = first, 0
     # A body lies in a ball of diameter 1: no inner point is farther from a node than that.
     if distance < 1.0 + nodes.radii[node]:
-        nodes.ranks[node] = factor(moments, source.weights, distance, plan, factors, first, desk)
+        nodes.ranks[node] = factor(moments, source.weights, distance, plan, factors, first, workspace)
     return first + nodes.ranks[node]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _join(left, right, node, tables, nodes, desk, result):  # type: ignore[no-untyped-def]
-    """A node's moments from its children's."""
+def _join(left, right, node, tables, nodes, workspace, result):  # type: ignore[no-untyped-def]
+    """Sum up a node's moments from its children's."""
     clear_moments(result)
-    add_shifted(left, 2 * node, node, nodes.centres, tables, desk, result)
-    add_shifted(right, 2 * node + 1, node, nodes.centres, tables, desk, result)
+    add_shifted(left, 2 * node, node, nodes.centres, tables, workspace, result)
+    add_shifted(right, 2 * node + 1, node, nodes.centres, tables, workspace, result)
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _sum_subtree(source, top, level, plan, nodes, factors, desk, kept):  # type: ignore[no-untyped-def]
-    """All nodes below and with node top at a level; its moments are left in kept (COEFFICIENTS, k).
+def _sum_subtree(source, top, level, plan, nodes, factors, workspace, kept):  # type: ignore[no-untyped-def]
+    """Fill in all nodes below and with node top at a level; its moments are left in kept (COEFFICIENTS, k).
 
     Leaf by leaf, so that no more moments exist at a time than the tree has levels. Returns the number of
     factors.
     """
     height, used = source.depth - level, 0
-    waiting, joined = desk.waiting, desk.joined
+    waiting, joined = workspace.waiting, workspace.joined
     for leaf in range(top << height, (top + 1) << height):
         _enclose(source, leaf, source.depth, nodes)
-        leaf_moments(source, leaf - (1 << source.depth), nodes.centres[leaf], plan.tables, desk, kept)
-        used = _finish(kept, leaf, source, plan, nodes, factors, used, desk)
+        leaf_moments(source, leaf - (1 << source.depth), nodes.centres[leaf], plan.tables, workspace, kept)
+        used = _finish(kept, leaf, source, plan, nodes, factors, used, workspace)
         node, rise = leaf, 0
         while node & 1 and node != top:
             node >>= 1
             _enclose(source, node, source.depth - rise - 1, nodes)
-            _join(waiting[rise], kept, node, plan.tables, nodes, desk, joined)
+            _join(waiting[rise], kept, node, plan.tables, nodes, workspace, joined)
             copy_moments(joined, kept)
-            used = _finish(kept, node, source, plan, nodes, factors, used, desk)
+            used = _finish(kept, node, source, plan, nodes, factors, used, workspace)
             rise += 1
         copy_moments(kept, waiting[rise])
     return used
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
-def sum_subtrees(source, first, level, tolerance, share, tables, nodes, factors, desks, used, kept):  # type: ignore[no-untyped-def]
-    """Some subtrees, in parallel.
+def sum_subtrees(  # type: ignore[no-untyped-def]
+    source, first, level, tolerance, share, tables, nodes, factors, workspaces, used, kept
+):  # fmt: skip
+    """Fill in some subtrees, in parallel.
 
     Args:
         source: a `Source`.
@@ -132,38 +134,40 @@ def sum_subtrees(source, first, level, tolerance, share, tables, nodes, factors,
         tolerance, share, tables: as in a `Plan`.
         nodes: a `Nodes`, written.
         factors: a `Factors` whose arrays have one more axis in front, of as many subtrees; written.
-        desks: a `FactorWorkspace`, likewise.
+        workspaces: a `FactorWorkspace`, likewise.
         used: number of factors of each subtree, written.
         kept: (2^level, COEFFICIENTS, k) moments of all topmost nodes, written.
     """
     for i in numba.prange(used.shape[0]):
-        own = Factors(factors.shapes[i], factors.profiles[i], factors.rests[i])
+        own = Factors(factors.left[i], factors.right[i], factors.residuals[i])
         plan, top = Plan(tolerance, share, tables), first + i
-        desk = factor_workspace_of(desks, i)
-        used[i] = _sum_subtree(source, top, level, plan, nodes, own, desk, kept[top - (1 << level)])
+        workspace = factor_workspace_of(workspaces, i)
+        used[i] = _sum_subtree(source, top, level, plan, nodes, own, workspace, kept[top - (1 << level)])
 
 
 @numba.njit(cache=True, **ALLOCATION_FREE)
-def sum_level(source, level, tolerance, share, tables, nodes, factors, desks, kept, used):  # type: ignore[no-untyped-def]
-    """The nodes of a level from kept, the moments of the level below, which they replace.
+def sum_level(  # type: ignore[no-untyped-def]
+    source, level, tolerance, share, tables, nodes, factors, workspaces, kept, used
+):  # fmt: skip
+    """Fill in the nodes of a level from kept, the moments of the level below, which theirs replace.
 
     Args:
-        source, level, tolerance, share, tables, nodes, factors, desks: as for `sum_subtrees`; the first of
-            the factors' and the desks' parts is used.
+        source, level, tolerance, share, tables, nodes, factors, workspaces: as for `sum_subtrees`; the first of
+            the factors' and the workspaces' parts is used.
         kept: (2^(level + 1), COEFFICIENTS, k).
         used: number of factors so far.
 
     Returns:
         The new number of factors.
     """
-    plan, desk = Plan(tolerance, share, tables), factor_workspace_of(desks, 0)
-    own = Factors(factors.shapes[0], factors.profiles[0], factors.rests[0])
+    plan, workspace = Plan(tolerance, share, tables), factor_workspace_of(workspaces, 0)
+    own = Factors(factors.left[0], factors.right[0], factors.residuals[0])
     for i in range(1 << level):
         node = (1 << level) + i
         _enclose(source, node, level, nodes)
-        _join(kept[2 * i], kept[2 * i + 1], node, tables, nodes, desk, desk.joined)
-        copy_moments(desk.joined, kept[i])
-        used = _finish(kept[i], node, source, plan, nodes, own, used, desk)
+        _join(kept[2 * i], kept[2 * i + 1], node, tables, nodes, workspace, workspace.joined)
+        copy_moments(workspace.joined, kept[i])
+        used = _finish(kept[i], node, source, plan, nodes, own, used, workspace)
     return used
 
 
@@ -177,7 +181,7 @@ def records_of(nodes: Nodes) -> Floats32:
     """(nodes, RECORD) float32."""
     records = np.zeros((len(nodes.radii), RECORD), dtype=np.float32)
     records[:, CENTRE : CENTRE + 3] = nodes.centres
-    records[:, CLEAR] = np.where(nodes.ranks > 0, (CLEARANCE * nodes.radii) ** 2, np.inf)
+    records[:, CLEAR] = np.where(nodes.ranks > 0, (LEAST_RADII * nodes.radii) ** 2, np.inf)
     records[:, AREA : AREA + 3] = nodes.areas
     records[:, RADIUS] = nodes.radii**2
     records[:, BOUND + 1 : BOUND + 1 + ORDER] = nodes.bounds[:, 1:]

@@ -1,4 +1,4 @@
-"""Moments of a cluster as the product of few shapes and profiles, and how far they reach."""
+"""Moments of a cluster as a product of low rank, and how far they reach."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from idviewer.core.arrays import Floats
 
 Floats32 = NDArray[np.float32]
 
-RANK = 24
-"""Most profiles that a node keeps."""
+LARGEST_RANK = 24
+"""Most factors that a node keeps."""
 
 
 class Factors(NamedTuple):
-    """Moments of nodes, one behind the other: each a product of few shapes and profiles.
+    """Low-rank moments of nodes, one behind the other: those of a node are left.T @ right, of its rows.
 
     Attributes:
-        shapes: (f, COEFFICIENTS).
-        profiles: (f, k).
-        rests: (f,) the error left by the node's factors before each one.
+        left: (f, COEFFICIENTS) float32.
+        right: (f, k) float32.
+        residuals: (f,) float32 the error left by the node's factors before each one.
     """
 
-    shapes: Floats32
-    profiles: Floats32
-    rests: Floats32
+    left: Floats32
+    right: Floats32
+    residuals: Floats32
 
 
 class Plan(NamedTuple):
@@ -49,7 +49,7 @@ class Plan(NamedTuple):
 
 
 class FactorWorkspace(NamedTuple):
-    """Room for intermediate results, with one more axis in front for as many subtrees.
+    """Intermediate results of a subtree; `factor_workspaces` adds one more axis, in front.
 
     Attributes:
         of_faces: (3, COEFFICIENTS, LANES) moments of a leaf's faces' hat functions.
@@ -57,8 +57,7 @@ class FactorWorkspace(NamedTuple):
         hats: (rows of the largest leaf, COEFFICIENTS) moments of its vertices.
         powers: (COEFFICIENTS + 1,) monomials, and shift_factors: (s,) these times binomials.
         scaled: (COEFFICIENTS, k) moments, with scales: (COEFFICIENTS,) and squares: (k,) of their columns.
-        direction: (COEFFICIENTS,) of a shape.
-        profile: (k,).
+        direction: (COEFFICIENTS,) of a left factor, and part: (k,) of the columns along it.
         joined: (COEFFICIENTS, k) moments of a node.
         waiting: (levels, COEFFICIENTS, k) moments of left children.
     """
@@ -72,13 +71,13 @@ class FactorWorkspace(NamedTuple):
     scales: Floats
     squares: Floats
     direction: Floats
-    profile: Floats
+    part: Floats
     joined: Floats
     waiting: Floats
 
 
 def factor_workspaces(width: int, rows: int, levels: int, subtrees: int) -> FactorWorkspace:
-    """Room for so many subtrees of so many levels, with so many rows in the largest leaf."""
+    """For so many subtrees of so many levels, with so many rows in the largest leaf."""
     one = (subtrees, COEFFICIENTS)
     return FactorWorkspace(
         np.empty((subtrees, 3, COEFFICIENTS, LANES)),
@@ -97,21 +96,21 @@ def factor_workspaces(width: int, rows: int, levels: int, subtrees: int) -> Fact
 
 
 @numba.njit(**ALLOCATION_FREE)
-def factor_workspace_of(desks, i):  # type: ignore[no-untyped-def]
+def factor_workspace_of(workspaces, i):  # type: ignore[no-untyped-def]
     """One subtree's."""
     return FactorWorkspace(
-        desks.of_faces[i],
-        desks.powers_of_faces[i],
-        desks.hats[i],
-        desks.powers[i],
-        desks.shift_factors[i],
-        desks.scaled[i],
-        desks.scales[i],
-        desks.squares[i],
-        desks.direction[i],
-        desks.profile[i],
-        desks.joined[i],
-        desks.waiting[i],
+        workspaces.of_faces[i],
+        workspaces.powers_of_faces[i],
+        workspaces.hats[i],
+        workspaces.powers[i],
+        workspaces.shift_factors[i],
+        workspaces.scaled[i],
+        workspaces.scales[i],
+        workspaces.squares[i],
+        workspaces.direction[i],
+        workspaces.part[i],
+        workspaces.joined[i],
+        workspaces.waiting[i],
     )
 
 
@@ -138,8 +137,8 @@ def bound_errors(moments, weights, radius, tables, bounds):  # type: ignore[no-u
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _project_out(direction, moments, profile):  # type: ignore[no-untyped-def]
-    """Take the part along a unit direction (COEFFICIENTS,) from all columns; profile (k,) is that part."""
+def _project_out(direction, moments, along):  # type: ignore[no-untyped-def]
+    """Take the part along a unit direction (COEFFICIENTS,) from all columns; along (k,) is that part."""
     width = moments.shape[1]
     for column in range(0, width, LANES):
         part = splat(0.0)
@@ -148,13 +147,13 @@ def _project_out(direction, moments, profile):  # type: ignore[no-untyped-def]
         for t in range(COEFFICIENTS):
             place = t * width + column
             store(moments, place, load(moments, place) - direction[t] * part)
-        store(profile, column, part)
+        store(along, column, part)
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _scale(moments, weights, distance, tables, desk):  # type: ignore[no-untyped-def]
-    """Moments by their errors as seen from a distance; leaves them and their columns' squares on the desk."""
-    width, scaled, scales, squares = moments.shape[1], desk.scaled, desk.scales, desk.squares
+def _scale(moments, weights, distance, tables, workspace):  # type: ignore[no-untyped-def]
+    """Scale moments to their errors as seen from a distance; these and their squares go to workspace."""
+    width, scaled, scales, squares = moments.shape[1], workspace.scaled, workspace.scales, workspace.squares
     for t in range(COEFFICIENTS):
         degree = tables.degrees[t]
         scales[t] = tables.norms[t] * (degree + 1) / distance ** (degree + 2)
@@ -168,8 +167,8 @@ def _scale(moments, weights, distance, tables, desk):  # type: ignore[no-untyped
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _turn_to_largest(scaled, squares, direction):  # type: ignore[no-untyped-def]
-    """Unit direction of the largest column; returns the root of all squares."""
+def _largest_direction(scaled, squares, direction):  # type: ignore[no-untyped-def]
+    """Fill the unit direction of the largest column; returns the root of all squares."""
     largest, sum_, length = 0, 0.0, 0.0
     for column in range(squares.shape[0]):
         sum_ += squares[column]
@@ -184,33 +183,33 @@ def _turn_to_largest(scaled, squares, direction):  # type: ignore[no-untyped-def
 
 
 @numba.njit(**ALLOCATION_FREE)
-def factor(moments, weights, distance, plan, factors, first, desk):  # type: ignore[no-untyped-def]
-    """Moments as a product of few shapes and profiles, by Gram-Schmidt with pivoting; returns how many.
+def factor(moments, weights, distance, plan, factors, first, workspace):  # type: ignore[no-untyped-def]
+    """Moments as a product of low rank, by Gram-Schmidt with pivoting; returns the rank.
 
-    Errors are measured as seen from distance. Where the room for factors ends there are none.
+    Errors are measured as seen from distance. Where the space for factors ends there are none.
     """
-    shapes, profiles, rests = factors
-    scaled, scales, squares, direction, profile = (
-        desk.scaled,
-        desk.scales,
-        desk.squares,
-        desk.direction,
-        desk.profile,
+    left, right, residuals = factors
+    scaled, scales, squares, direction, part = (
+        workspace.scaled,
+        workspace.scales,
+        workspace.squares,
+        workspace.direction,
+        workspace.part,
     )
-    _scale(moments, weights, distance, plan.tables, desk)
-    row, end = first, min(first + RANK, rests.shape[0])
+    _scale(moments, weights, distance, plan.tables, workspace)
+    row, end = first, min(first + LARGEST_RANK, residuals.shape[0])
     while True:
-        rest = _turn_to_largest(scaled, squares, direction)
-        if rest <= plan.share * plan.tolerance:
+        residual = _largest_direction(scaled, squares, direction)
+        if residual <= plan.share * plan.tolerance:
             return row - first
         if row == end:
-            return row - first if row == first + RANK else 0
-        rests[row] = rest
-        _project_out(direction, scaled, profile)
+            return row - first if row == first + LARGEST_RANK else 0
+        residuals[row] = residual
+        _project_out(direction, scaled, part)
         for t in range(COEFFICIENTS):
-            shapes[row, t] = direction[t] / scales[t]
+            left[row, t] = direction[t] / scales[t]
         for column in range(moments.shape[1]):
-            squares[column] = max(squares[column] - profile[column] ** 2, 0.0)
+            squares[column] = max(squares[column] - part[column] ** 2, 0.0)
             divisor = weights[column] if weights[column] > 0.0 else 1.0
-            profiles[row, column] = profile[column] / divisor
+            right[row, column] = part[column] / divisor
         row += 1

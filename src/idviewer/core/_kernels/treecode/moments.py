@@ -89,12 +89,14 @@ def _face_moments(a, b, c, tables, powers, moments):  # type: ignore[no-untyped-
 
 @numba.njit(**ALLOCATION_FREE)
 def clear_moments(moments):  # type: ignore[no-untyped-def]
+    """Set moments to 0."""
     for place in range(0, moments.size, LANES):
         store(moments, place, splat(0.0))
 
 
 @numba.njit(**ALLOCATION_FREE)
 def copy_moments(moments, result):  # type: ignore[no-untyped-def]
+    """Copy moments."""
     for place in range(0, moments.size, LANES):
         store(result, place, load(moments, place))
 
@@ -113,9 +115,9 @@ def _sum_hats(source, leaf, count, of_faces, hats):  # type: ignore[no-untyped-d
 
 
 @numba.njit(**ALLOCATION_FREE)
-def leaf_moments(source, leaf, centre, tables, desk, moments):  # type: ignore[no-untyped-def]
+def leaf_moments(source, leaf, centre, tables, workspace, moments):  # type: ignore[no-untyped-def]
     """Moments (COEFFICIENTS, k) of all columns over a leaf's faces."""
-    hats, corners, values, place = desk.hats, source.corners, source.values, leaf * CORNER_NUMBERS
+    hats, corners, values, place = workspace.hats, source.corners, source.values, leaf * CORNER_NUMBERS
     shift = (
         source.centres[leaf, 0] - centre[0],
         source.centres[leaf, 1] - centre[1],
@@ -126,12 +128,12 @@ def leaf_moments(source, leaf, centre, tables, desk, moments):  # type: ignore[n
         _corner(corners, place + 3 * LANES, shift),
         _corner(corners, place + 6 * LANES, shift),
         tables,
-        desk.powers_of_faces,
-        desk.of_faces,
+        workspace.powers_of_faces,
+        workspace.of_faces,
     )
     first, width = source.first_row[leaf], values.shape[1]
     count = source.first_row[leaf + 1] - first
-    _sum_hats(source, leaf, count, desk.of_faces, hats)
+    _sum_hats(source, leaf, count, workspace.of_faces, hats)
     for column in range(0, width, LANES):
         for t in range(0, COEFFICIENTS, 5):
             a, b, c, d, e = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
@@ -150,9 +152,9 @@ def leaf_moments(source, leaf, centre, tables, desk, moments):  # type: ignore[n
 
 
 @numba.njit(**ALLOCATION_FREE)
-def add_shifted(moments, child, parent, centres, tables, desk, result):  # type: ignore[no-untyped-def]
+def add_shifted(moments, child, parent, centres, tables, workspace, result):  # type: ignore[no-untyped-def]
     """Add a child's moments to its parent's, whose centre is another."""
-    width, powers, factors = result.shape[1], desk.powers, desk.shift_factors
+    width, powers, factors = result.shape[1], workspace.powers, workspace.shift_factors
     monomials(
         centres[child, 0] - centres[parent, 0],
         centres[child, 1] - centres[parent, 1],

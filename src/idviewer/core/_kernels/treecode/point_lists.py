@@ -1,4 +1,4 @@
-"""Lists of points that go down a tree together, and how near nodes may be to each."""
+"""Lists of points that traverse a tree together, and how near nodes may be to each: its opening radius."""
 
 from __future__ import annotations
 
@@ -17,26 +17,25 @@ from idviewer.core._kernels.treecode.expansion import ORDER
 
 ALL = (1 << LANES) - 1
 
-LEAST_TOTAL = 4.0 * math.pi
+LEAST_WEIGHT_SUM = 4.0 * math.pi
 """The weights of a point inside a body of diameter 1 add up to more: the integral of 1 / distance."""
 
-TRUSTED = 0.5
-"""Share of the roughly estimated total that is relied on."""
+TRUSTED_SHARE = 0.5
+"""Share of a roughly estimated weight sum that is relied on."""
 
 OCTAVES = 64
-"""Totals are known by their power of two; so many times as large as the least they may become."""
+"""Weight sums are told apart by powers of two, from the least one on; so many of them."""
 
-
-X, Y, Z, NEARNESS, OCTAVE, ID, ROWS = range(7)
-"""Rows of a list of points: places relative to the chunk's first point; the square of how near nodes may be,
-in the unit of their bounds; the power of two of the total; and which point of the chunk it is."""
+X, Y, Z, OPENING, OCTAVE, ID, ROWS = range(7)
+"""Rows of a list of points: places relative to the chunk's first point; the square of the opening radius, in
+the unit of the nodes' bounds; the power of two of the weight sum; and which point of the chunk it is."""
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _rough_total(list_, start, origin, depth, records, stack):  # type: ignore[no-untyped-def]
-    """A first idea of the sums of some points' weights: every node not too near counts as one dipole."""
-    width = list_.shape[1]
-    px, py, pz = load(list_, start), load(list_, width + start), load(list_, 2 * width + start)
+def _rough_total(listed, start, origin, depth, records, stack):  # type: ignore[no-untyped-def]
+    """Rough sums of some points' weights: every node that is not too near counts as one dipole."""
+    width = listed.shape[1]
+    px, py, pz = load(listed, start), load(listed, width + start), load(listed, 2 * width + start)
     result = splat(np.float32(0.0))
     stack[0] = 1
     top = 1
@@ -57,11 +56,11 @@ def _rough_total(list_, start, origin, depth, records, stack):  # type: ignore[n
 
 
 @numba.njit(**ALLOCATION_FREE)
-def list_all(points, tolerance, depth, records, totals, stack, list_, active):  # type: ignore[no-untyped-def]
+def list_all(points, tolerance, depth, records, totals, stack, listed, active):  # type: ignore[no-untyped-def]
     """The list of all points (c, 3), and their blocks, all of which are active.
 
-    The error of a point is that of its sums divided by the total of its weights: near the surface, where
-    the total is large, far nodes matter less.
+    The error of a point is that of its sums divided by the sum of its weights: near the surface, where that
+    is large, far nodes matter less.
     """
     count = points.shape[0]
     for start in range(0, count, LANES):
@@ -70,14 +69,14 @@ def list_all(points, tolerance, depth, records, totals, stack, list_, active):  
         for i in range(start, start + LANES):
             point = min(i, count - 1)
             for axis in range(3):
-                list_[axis, i] = points[point, axis] - points[0, axis]
-            list_[ID, i] = point
+                listed[axis, i] = points[point, axis] - points[0, axis]
+            listed[ID, i] = point
         origin = points[0, 0], points[0, 1], points[0, 2]
-        store(totals, 0, _rough_total(list_, start, origin, depth, records, stack))
+        store(totals, 0, _rough_total(listed, start, origin, depth, records, stack))
         for lane in range(LANES):
-            i, ratio = start + lane, max(TRUSTED * totals[lane] / LEAST_TOTAL, 1.0)
-            list_[NEARNESS, i] = (tolerance * LEAST_TOTAL * ratio) ** (-2.0 / (ORDER + 3))
-            list_[OCTAVE, i] = min(int(math.log2(ratio)), OCTAVES - 1)
+            i, ratio = start + lane, max(TRUSTED_SHARE * totals[lane] / LEAST_WEIGHT_SUM, 1.0)
+            listed[OPENING, i] = (tolerance * LEAST_WEIGHT_SUM * ratio) ** (-2.0 / (ORDER + 3))
+            listed[OCTAVE, i] = min(int(math.log2(ratio)), OCTAVES - 1)
 
 
 @intrinsic
@@ -94,24 +93,24 @@ def _lowest(typingctx, lanes):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def pick(list_, block, lanes, picked, count):  # type: ignore[no-untyped-def]
+def pick(listed, block, lanes, picked, count):  # type: ignore[no-untyped-def]
     """Append those points of a block whose bits are set to a list of count points; returns the new count."""
-    width, start = list_.shape[1], block * LANES
+    width, start = listed.shape[1], block * LANES
     if lanes == ALL:
         for row in range(ROWS):
-            store(picked, row * picked.shape[1] + count, load(list_, row * width + start))
+            store(picked, row * picked.shape[1] + count, load(listed, row * width + start))
         return count + LANES
     while lanes:
         lane = _lowest(lanes)
         lanes &= lanes - 1
         for row in range(ROWS):
-            picked[row, count] = list_[row, start + lane]
+            picked[row, count] = listed[row, start + lane]
         count += 1
     return count
 
 
 @numba.njit(**ALLOCATION_FREE)
-def split(list_, active, count, x, y, z, bound2, clear2, far, rest):  # type: ignore[no-untyped-def]
+def split(listed, active, count, x, y, z, bound2, clear2, far, rest):  # type: ignore[no-untyped-def]
     """Tell the points that are far from a node at (x, y, z) from the others.
 
     active (.., 2) and rest (.., 2) hold blocks of points, and as bits which of them are meant. The last point
@@ -120,28 +119,29 @@ def split(list_, active, count, x, y, z, bound2, clear2, far, rest):  # type: ig
     Returns:
         How many points are far, and how many entries rest has.
     """
-    width, fars, rests = list_.shape[1], 0, 0
+    width, far_count, rest_count = listed.shape[1], 0, 0
     for i in range(count):
         block, lanes = active[i, 0], active[i, 1]
         start = block * LANES
-        dx, dy = x - load(list_, start), y - load(list_, width + start)
-        dz = z - load(list_, 2 * width + start)
-        bound = larger(bound2 * load(list_, NEARNESS * width + start), clear2)
+        dx, dy = x - load(listed, start), y - load(listed, width + start)
+        dz = z - load(listed, 2 * width + start)
+        bound = larger(bound2 * load(listed, OPENING * width + start), clear2)
         away = bits(dx * dx + dy * dy + dz * dz > bound) & lanes
         if away:
-            fars = pick(list_, block, away, far, fars)
+            far_count = pick(listed, block, away, far, far_count)
         if away != lanes:
-            rest[rests, 0], rest[rests, 1] = block, lanes & ~away
-            rests += 1
-    for i in range(fars, -(-fars // LANES) * LANES):
+            rest[rest_count, 0], rest[rest_count, 1] = block, lanes & ~away
+            rest_count += 1
+    for i in range(far_count, -(-far_count // LANES) * LANES):
         for row in range(ROWS):
-            far[row, i] = far[row, fars - 1]
-    return fars, rests
+            far[row, i] = far[row, far_count - 1]
+    return far_count, rest_count
 
 
 @numba.njit(**ALLOCATION_FREE)
-def least_octave(list_, start):  # type: ignore[no-untyped-def]
-    least = list_[OCTAVE, start]
+def least_octave(listed, start):  # type: ignore[no-untyped-def]
+    """The least octave of LANES points."""
+    least = listed[OCTAVE, start]
     for i in range(start + 1, start + LANES):
-        least = min(least, list_[OCTAVE, i])
+        least = min(least, listed[OCTAVE, i])
     return np.int64(least)

@@ -1,4 +1,4 @@
-"""Points in the order of a balanced binary tree."""
+"""Recursive coordinate bisection: points in the order of a balanced binary tree."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _longest_side(order, points, low, high):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, **OPTIONS)
-def halved(points, depth):  # type: ignore[no-untyped-def]
+def bisection_order(points, depth):  # type: ignore[no-untyped-def]
     """Order of (p, 3) points after depth halvings, each across the longest side of what is halved."""
     count = points.shape[0]
     order = np.arange(count)
