@@ -15,7 +15,6 @@ from scipy import sparse
 
 from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES
-from idviewer.core._kernels.geometry.ears import cut_ears
 from idviewer.core._kernels.mean_value import patches
 from idviewer.core._kernels.mean_value.surface import patched
 from idviewer.core.coordinates import coordinates_of
@@ -117,7 +116,6 @@ def _compiling_trees() -> subprocess.Popen[bytes] | None:
 def _flat_calls() -> Calls:
     triangle = _triangle()
     return [
-        lambda: cut_ears(triangle.vertices.copy(), np.array([0, 3])),
         lambda: mean_value_on(triangle).weights(np.full((1, 2), 0.2)),
     ]
 
@@ -128,7 +126,6 @@ def _spatial_calls() -> Calls:
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
     scratch, landing = kernels.scratch_for(surface, 1), kernels.no_boundary_hits(1)
     return [
-        lambda: cut_ears(corners[:3, :2].copy(), np.array([0, 3])),
         lambda: patches.warm_up(points, surface, scratch, weights, landing),
         lambda: kernels.weigh(
             points,

@@ -30,7 +30,14 @@ from idviewer.core.shapes.polygon import Polygon
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.slices.mesh_sections import Section, section
 from idviewer.core.slices.polygon_sections import polygon_section
-from idviewer.core.slices.triangulation import STEPS, SliceMesh, edges_of, slice_mesh, spacing_for, split
+from idviewer.core.slices.triangulation import (
+    OUTLINE_STEPS_PER_SAMPLE,
+    SliceMesh,
+    edges_of,
+    slice_mesh,
+    spacing_for,
+    split,
+)
 from idviewer.core.steps import Resumable, without_shares
 
 Ints32 = NDArray[np.int32]
@@ -212,7 +219,7 @@ def _section(shape: Shape, plane: Plane, settings: SamplingSettings) -> tuple[Se
     """
     nodes = settings.coarsest_nodes
     if isinstance(shape, Polygon):
-        widest = max(math.sqrt(shape.area / nodes), shape.perimeter / (STEPS * nodes))
+        widest = max(math.sqrt(shape.area / nodes), shape.perimeter / (OUTLINE_STEPS_PER_SAMPLE * nodes))
         cut = polygon_section(shape, settings.longest_part * widest)
     else:
         assert isinstance(shape, Mesh)

@@ -9,17 +9,16 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core._kernels.geometry.ears import cut_ears
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.slices.lattice import Lattice
 from idviewer.core.slices.mesh_sections import Section
 
 Ints32 = NDArray[np.int32]
 
-STEPS = 16
+OUTLINE_STEPS_PER_SAMPLE = 16
 """The outline is at most so many lattice constants long for each sample asked for."""
 
-LARGEST_LATTICE = 2**24
+LARGEST_LATTICE_SIDE = 2**24
 """Cells from one side of a section to the other, at most."""
 
 
@@ -58,7 +57,10 @@ def slice_mesh(section: Section, spacing: float) -> SliceMesh:
 
     Args:
         section: the outline to fill.
-        spacing: lattice constant, in the mesh's unit.
+        spacing: lattice constant, in the mesh's unit; positive.
+
+    Returns:
+        The triangles; none where the section has no loops.
 
     >>> from idviewer.core import Mesh, Plane, section
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -73,7 +75,7 @@ def slice_mesh(section: Section, spacing: float) -> SliceMesh:
         return SliceMesh(section, spacing, np.empty((0, 2), dtype=np.int64), np.empty((0, 3), dtype=np.int32))
     lattice = Lattice.inside(section, spacing)
     stairs = [stair[::-1] for stair in lattice.staircases()]
-    band = _fill(section, stairs, np.multiply(lattice.nodes, spacing, dtype=np.float64))
+    band = _triangulate_band(section, stairs, np.multiply(lattice.nodes, spacing, dtype=np.float64))
     triangles = np.concatenate([band, lattice.triangles() + np.int32(len(section.in_plane))])
     return SliceMesh(section, spacing, lattice.nodes, triangles)
 
@@ -86,7 +88,9 @@ def spacing_for(section: Section, samples: int) -> float:
     length = float(np.abs(section.in_plane[ends] - section.in_plane[starts]).sum())
     extent = float((section.in_plane.max(axis=0) - section.in_plane.min(axis=0)).max())
     return max(
-        math.sqrt(max(section.area, 0.0) / samples), length / (STEPS * samples), extent / LARGEST_LATTICE
+        math.sqrt(max(section.area, 0.0) / samples),
+        length / (OUTLINE_STEPS_PER_SAMPLE * samples),
+        extent / LARGEST_LATTICE_SIDE,
     )
 
 
@@ -150,16 +154,32 @@ _PATTERNS = {
 """Parts of a triangle with corners 0, 1, 2 whose first so many edges are cut, in points 3, 4 and 5."""
 
 
-def _fill(section: Section, stairs: list[Ints], nodes: Floats) -> Ints32:
+def _triangulate_band(section: Section, stairs: list[Ints], nodes: Floats) -> Ints32:
     """Triangulate the band between the outline and staircases (clockwise) of (q, 2) nodes."""
     loops = [*section.loops, *(stair + len(section.in_plane) for stair in stairs)]
     flat = np.concatenate([section.in_plane, nodes])
-    band, first = np.concatenate(loops), np.cumsum([0, *map(len, loops)])
+    band, ends = np.concatenate(loops), np.cumsum([len(loop) for loop in loops])[:-1]
     # About the region's middle and in its own unit, so that rounding and tolerances mean the same anywhere.
     lowest, highest = section.in_plane.min(axis=0), section.in_plane.max(axis=0)
     scaled = (flat[band] - 0.5 * (lowest + highest)) / float((highest - lowest).max())
-    triangles = cut_ears(scaled, first)
-    if triangles is None:
-        # Loops that cross themselves: this one copes with anything, and takes three times as long.
-        triangles = np.asarray(manifold3d.triangulate(np.split(scaled, first[1:-1]))).reshape(-1, 3)
-    return band.astype(np.int32)[triangles]
+    return band.astype(np.int32)[triangulate_polygons(np.split(scaled, ends))]
+
+
+def triangulate_polygons(loops: list[Floats]) -> Ints32:
+    """Triangulate the region that polygons bound, without new points (manifold3d's ear clipping).
+
+    Loops may touch, and points be repeated or collinear. Loops that cross themselves give triangles too,
+    some of them clockwise; their sides cancel up to the loops all the same.
+
+    Args:
+        loops: (p_i, 2) points of each, the region on their left; of the size of 1 or so.
+
+    Returns:
+        (t, 3) indices into the concatenated loops, counterclockwise up to rounding.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> triangles = triangulate_polygons([square, 0.5 * square[::-1] + 0.25])
+    >>> len(triangles), int(triangles.max())
+    (8, 7)
+    """
+    return np.asarray(manifold3d.triangulate(loops), dtype=np.int32).reshape(-1, 3)

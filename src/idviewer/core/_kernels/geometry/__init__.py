@@ -1,1 +1,1 @@
-"""Compiled loops over points and faces: closest points, collapses of edges, triangulation of polygons."""
+"""Compiled loops over points and faces: closest points, collapses of edges."""

@@ -152,8 +152,8 @@ def sum_level(  # type: ignore[no-untyped-def]
     """Fill in the nodes of a level from kept, the moments of the level below, which theirs replace.
 
     Args:
-        source, level, tolerance, share, tables, nodes, factors, workspaces: as for `sum_subtrees`; the first of
-            the factors' and the workspaces' parts is used.
+        source, level, tolerance, share, tables, nodes, factors, workspaces: as for `sum_subtrees`; of the
+            factors' and the workspaces' parts the first is used.
         kept: (2^(level + 1), COEFFICIENTS, k).
         used: number of factors so far.
 
