@@ -33,7 +33,7 @@ from idviewer.core import (
     read_shape,
     sample_names,
 )
-from idviewer.core.coordinates import maximum_entropy
+from idviewer.core.coordinates.maximum_entropy import MaximumEntropyCoordinates, MaximumEntropySettings
 from idviewer.session import array_cache, spectrum_cache
 from idviewer.session import eigenpair_source as eigenpairs
 
@@ -504,7 +504,9 @@ class TestCoordinates:
     def test_points_without_weights_are_told_in_one_line(
         self, run: Run, body: str, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr(maximum_entropy, "RESIDUAL", -1.0)
+        monkeypatch.setattr(
+            MaximumEntropyCoordinates, "settings", MaximumEntropySettings(largest_residual=-1.0)
+        )
         answer = run("distance", body, *self.ENDS, "--coordinates", "maximum_entropy", "--json")
         assert answer.status == 0
         assert json.loads(answer.out)["interior"] is None

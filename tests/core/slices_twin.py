@@ -9,7 +9,7 @@ import numpy as np
 
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.plane import Plane
-from idviewer.core.slices.lattice import MARGIN
+from idviewer.core.slices.lattice import OUTLINE_MARGIN
 from idviewer.core.slices.mesh_sections import Section
 
 Edge = tuple[int, int]
@@ -58,13 +58,13 @@ def lattice_nodes(cut: Section, spacing: float) -> set[tuple[int, int]]:
     high = np.ceil(np.max([start for start, _ in segments], axis=0)).astype(int)
     near = set()
     for start, end in segments:
-        count = math.floor(np.abs(end - start).max() / MARGIN) + 1
+        count = math.floor(np.abs(end - start).max() / OUTLINE_MARGIN) + 1
         for step in range(count):
             x, y = start + step / count * (end - start)
             near |= {
                 (math.floor(x + dx), math.floor(y + dy))
-                for dx in (-MARGIN, MARGIN)
-                for dy in (-MARGIN, MARGIN)
+                for dx in (-OUTLINE_MARGIN, OUTLINE_MARGIN)
+                for dy in (-OUTLINE_MARGIN, OUTLINE_MARGIN)
             }
     full = [
         (i, j)

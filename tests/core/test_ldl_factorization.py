@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 from scipy.spatial import Delaunay
 
-from idviewer.core._kernels.linear_algebra.columns import group_columns
+from idviewer.core._kernels.linear_algebra.supernodes import group_columns
 from idviewer.core.spectrum.block_lanczos import BLOCK, BlockLanczos
 from idviewer.core.spectrum.ldl_factorization import LDLFactorization
 from idviewer.core.spectrum.nested_dissection import MOST_OFF_CENTRE, SEPARATOR, dissect

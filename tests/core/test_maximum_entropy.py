@@ -9,8 +9,11 @@ from tests.core import shapes
 from tests.core.coordinate_bodies import SHAPES, Body, inner_points, normals, on_elements
 
 from idviewer.core import Mesh, read_mesh, sample_path
-from idviewer.core.coordinates import maximum_entropy
-from idviewer.core.coordinates.maximum_entropy import ConvergenceWarning, MaximumEntropyCoordinates
+from idviewer.core.coordinates.maximum_entropy import (
+    ConvergenceWarning,
+    MaximumEntropyCoordinates,
+    MaximumEntropySettings,
+)
 
 Wide = np.longdouble
 HARMLESS = [name for name in SHAPES if name not in ("thin", "slab")]
@@ -166,7 +169,7 @@ def test_points_that_do_not_converge_are_told(monkeypatch, rng):
     body = SHAPES["comb"]
     points = np.concatenate([inner_points(body, rng, 5), body.vertices[:2], body.bounds[1:] + 1])
     kind = MaximumEntropyCoordinates(body)
-    monkeypatch.setattr(maximum_entropy, "RESIDUAL", -1.0)
+    monkeypatch.setattr(MaximumEntropyCoordinates, "settings", MaximumEntropySettings(largest_residual=-1.0))
     with pytest.warns(ConvergenceWarning, match="maximum entropy coordinates of 5 points not found"):
         weights = kind.weights(points)
     assert kind.unconverged == 5

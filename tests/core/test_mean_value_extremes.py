@@ -9,7 +9,7 @@ import pytest
 from tests.core import shapes
 from tests.core.test_mean_value import BODIES
 
-from idviewer.core._kernels.mean_value.surface import patched
+from idviewer.core._kernels.mean_value.surface import surface_in_blocks
 from idviewer.core.coordinates.mean_value import mean_value_weights
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.shapes.mesh import Mesh
@@ -134,4 +134,4 @@ def test_faces_of_hardly_any_area_do_no_harm(lift, atol, rng):
     np.testing.assert_allclose(weights @ extended, points, atol=1e-14)
     without = SimpleNamespace(vertices=extended, faces=split[:-1])
     np.testing.assert_allclose(weights, wide_weights(without, points), atol=atol)
-    assert np.isfinite(patched(extended, split).constants).all()
+    assert np.isfinite(surface_in_blocks(extended, split).constants).all()

@@ -10,6 +10,7 @@ from tests.session.bodies import WatchedSession, egg, few_samples  # noqa: F401
 
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Mesh, Plane, read_mesh, sample_path
 from idviewer.core.coordinates import maximum_entropy
+from idviewer.core.coordinates.maximum_entropy import MaximumEntropyCoordinates, MaximumEntropySettings
 from idviewer.core.sampling import SourceError, settings
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.sampler import Sampler
@@ -203,7 +204,9 @@ class TestPointsWithoutWeights:
         made = Pipeline()
         query = Query((PLANE,), SOURCE, Euclidean(), coordinates="maximum_entropy")
         run(made, query)
-        monkeypatch.setattr(maximum_entropy, "RESIDUAL", -1.0)
+        monkeypatch.setattr(
+            MaximumEntropyCoordinates, "settings", MaximumEntropySettings(largest_residual=-1.0)
+        )
         *_, failure = run(made, Query((PLANE,), (0.0, 0.2, 0.4), Euclidean(), coordinates="maximum_entropy"))
         assert isinstance(failure.error, SourceError)
         assert str(failure.error) == (

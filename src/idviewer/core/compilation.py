@@ -15,8 +15,8 @@ from scipy import sparse
 
 from idviewer.core import _kernels as kernels
 from idviewer.core._kernels import LANES
-from idviewer.core._kernels.mean_value import patches
-from idviewer.core._kernels.mean_value.surface import patched
+from idviewer.core._kernels.mean_value import cache_blocks
+from idviewer.core._kernels.mean_value.surface import surface_in_blocks
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
@@ -122,17 +122,17 @@ def _flat_calls() -> Calls:
 
 def _spatial_calls() -> Calls:
     spindle = _spindle(LANES)
-    corners, surface = spindle.vertices, patched(spindle.vertices, spindle.faces)
+    corners, surface = spindle.vertices, surface_in_blocks(spindle.vertices, spindle.faces)
     points, weights = np.full((1, 3, LANES), 0.2), np.zeros((1, len(corners), LANES))
-    scratch, landing = kernels.scratch_for(surface, 1), kernels.no_boundary_hits(1)
+    workspace, hits = kernels.workspaces_for(surface, 1), kernels.no_boundary_hits(1)
     return [
-        lambda: patches.warm_up(points, surface, scratch, weights, landing),
+        lambda: cache_blocks.warm_up(points, surface, workspace, weights, hits),
         lambda: kernels.weigh(
             points,
             surface,
             0.0,
-            scratch,
-            landing,
+            workspace,
+            hits,
             np.zeros((1, 1, LANES)),
             weights,
             (np.zeros((1, 4, LANES)), np.zeros((1, 1, LANES, LANES))),

@@ -6,7 +6,7 @@ import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
 
-BITS = 10
+CURVE_BITS = 10
 """The curve runs through a cube of 2^10 cells a side."""
 
 
@@ -20,7 +20,7 @@ def morton_order(points: Floats) -> Ints:
         return np.empty(0, dtype=np.int64)
     lowest = points.min(axis=0)
     size = max(float(np.ptp(points, axis=0).max()), float(np.finfo(np.float64).tiny))
-    cells = ((points - lowest).T / size * (2**BITS - 1)).astype(np.int64)
+    cells = ((points - lowest).T / size * (2**CURVE_BITS - 1)).astype(np.int64)
     x, y, z = _spread(cells)
     return stable_order(x | y << 1 | z << 2)
 
@@ -35,7 +35,7 @@ def stable_order(keys: Ints) -> Ints:
 
 
 def _spread(numbers: Ints) -> Ints:
-    """Numbers of BITS bits, with two zeros put between neighbouring bits."""
+    """Numbers of CURVE_BITS bits, with two zeros put between neighbouring bits."""
     for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
         numbers = (numbers | numbers << shift) & mask
     return numbers

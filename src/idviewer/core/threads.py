@@ -1,4 +1,4 @@
-"""How many threads small problems use: one."""
+"""Threads of small problems: one."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from threadpoolctl import ThreadpoolController
 
 from idviewer.core._kernels.simd.threads import use_threads
 
-FEW_OF_A_PRODUCT = 2000
+SINGLE_THREAD_VERTICES = 2000
 """Vertices of a shape up to which BLAS had better use one thread."""
 
-FEW_OF_A_KERNEL = 500
+SINGLE_THREAD_FACETS = 500
 """Facets of a shape up to which kernels had better do so too."""
 
 
@@ -33,15 +33,21 @@ def few_threads(vertices: int, facets: int) -> Iterator[None]:
     >>> before
     1
     """
-    products = small_products() if vertices <= FEW_OF_A_PRODUCT else nullcontext()
-    kernels = _small_kernels() if facets <= FEW_OF_A_KERNEL else nullcontext()
+    products = small_products() if vertices <= SINGLE_THREAD_VERTICES else nullcontext()
+    kernels = _small_kernels() if facets <= SINGLE_THREAD_FACETS else nullcontext()
     with products, kernels:
         yield
 
 
 @contextmanager
 def small_products() -> Iterator[None]:
-    """Within it BLAS uses one thread: products of the weights of some points with a basis are small tasks."""
+    """Within it BLAS uses one thread: products of the weights of some points with a basis are small tasks.
+
+    >>> with small_products():
+    ...     product = np.ones((2, 3)) @ np.ones(3)
+    >>> product.tolist()
+    [3.0, 3.0]
+    """
     with _libraries().limit(limits=1, user_api="blas"):
         yield
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -14,8 +15,17 @@ from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
 from idviewer.core.shapes.shape import ShapeLike
 
-RESIDUAL = 1e-11
-"""Largest |sum w_i v_i - p|, in diagonals of the bounding box, of weights that are given out."""
+
+@dataclass(frozen=True)
+class MaximumEntropySettings:
+    """When maximum entropy coordinates count as found.
+
+    Attributes:
+        largest_residual: of weights that are given out, the largest |sum w_i v_i - p| in diagonals of the
+            bounding box.
+    """
+
+    largest_residual: float = 1e-11
 
 
 class ConvergenceWarning(RuntimeWarning):
@@ -32,7 +42,7 @@ class MaximumEntropyCoordinates(Coordinates):
     interpolate on the boundary. Source: Hormann and Sukumar 2008; priors in docs/coordinates.md.
 
     A point whose lambda is not found (none is known) gets a row of NaN, a `ConvergenceWarning` says so, and
-    `unconverged` counts it. Rows that are not NaN reproduce their point to `RESIDUAL` diagonals.
+    `unconverged` counts it. Others reproduce their point to `settings.largest_residual` diagonals.
 
     Args:
         shape: n vertices.
@@ -51,7 +61,8 @@ class MaximumEntropyCoordinates(Coordinates):
     title = "Maximum entropy coordinates"
     menu_order = 20
     properties = frozenset(Property)
-    pairs_in_a_step: ClassVar[float] = 1e5
+    pairs_per_step: ClassVar[float] = 1e5
+    settings: ClassVar[MaximumEntropySettings] = MaximumEntropySettings()
 
     def __init__(self, shape: ShapeLike) -> None:
         super().__init__(shape)
@@ -76,11 +87,11 @@ class MaximumEntropyCoordinates(Coordinates):
         Raises:
             ConvergenceWarning: some were not found, where warnings are errors.
         """
-        places, where, result = self._boundary.rows(as_points(points, self.shape.dimension))
-        residuals, steps = np.empty(len(where.inside)), np.empty(len(where.inside), dtype=np.int64)
+        places, classified, result = self._boundary.rows(as_points(points, self.shape.dimension))
+        residuals, steps = np.empty(len(classified.inside)), np.empty(len(classified.inside), dtype=np.int64)
         maximum_entropy(
             np.ascontiguousarray(in_space(places)),
-            where.inside,
+            classified.inside,
             self._vertices,
             self._elements,
             self._constants,
@@ -88,11 +99,11 @@ class MaximumEntropyCoordinates(Coordinates):
             residuals,
             steps,
         )
-        self._check(residuals, where.inside, result)
+        self._check(residuals, classified.inside, result)
         return result
 
     def _check(self, residuals: Floats, inside: Ints, result: Floats) -> None:
-        failed = ~(residuals <= RESIDUAL)
+        failed = ~(residuals <= self.settings.largest_residual)
         if failed.any():
             result[inside[failed]] = np.nan
             self.unconverged += int(failed.sum())
@@ -107,12 +118,16 @@ class MaximumEntropyCoordinates(Coordinates):
 
 
 def edge_constants(positions: Floats, edges: Ints) -> Floats:
-    """What the kernel needs of a polygon's edges: their lengths, (1, e)."""
+    """Lengths (1, e) of a polygon's edges, given positions (n, 2) and edges (e, 2).
+
+    >>> edge_constants(np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([[0, 1]])).tolist()
+    [[5.0]]
+    """
     return np.linalg.norm(positions[edges[:, 1]] - positions[edges[:, 0]], axis=1)[None]
 
 
 def face_constants(positions: Floats, faces: Ints) -> Floats:
-    """What the kernel needs of a mesh's faces, (20, m).
+    """Constants (20, m) of a mesh's faces for the kernel, given positions (n, 3) and faces (m, 3).
 
     The plane's normal and height; for each edge the plane across it in which the signed area of a projected
     triangle is linear, by normal and height; |e|^2 / 4 of each edge; and the area.

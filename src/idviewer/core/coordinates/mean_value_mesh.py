@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from idviewer.core import _kernels
-from idviewer.core._kernels.mean_value.surface import patched
+from idviewer.core._kernels.mean_value.surface import surface_in_blocks
 from idviewer.core.arrays import Floats, Ints, as_points
 from idviewer.core.coordinates.point_classification import Boundary, PointClassification
 from idviewer.core.coordinates.tolerance import Approximation
 from idviewer.core.morton import morton_order
 from idviewer.core.shapes.mesh import Mesh
 
-Landed = tuple[int, Ints, Floats]
+BoundaryPoint = tuple[int, Ints, Floats]
 """A point on the surface: its place among the packed ones, three vertices and their shares."""
 
-FACE_VISITS = 2e6
-"""Work between two checkpoints, in faces times points: 5 to 10 ms on two cores."""
+VISITS_PER_STEP = 2e6
+"""Faces times points between two checkpoints: 5 to 10 ms on two cores."""
 
 
 class MeshMeanValue(Boundary):
@@ -36,7 +36,7 @@ class MeshMeanValue(Boundary):
     def __init__(self, mesh: Mesh) -> None:
         super().__init__(mesh)
         self._mesh, self.elements = mesh, mesh.faces
-        self._surface = patched(*self.normalised_mesh)
+        self._surface = surface_in_blocks(*self.normalised_mesh)
         self._arranged: tuple[Floats, Floats] | None = None
 
     def weights(self, points: ArrayLike) -> Floats:
@@ -54,8 +54,8 @@ class MeshMeanValue(Boundary):
             places = np.full((len(packed), _kernels.LANES), -1)
             places.ravel()[: len(chosen)] = chosen
             product = np.empty((0, 0, 0)), np.empty((len(packed), 1, 0, 0))
-            landing, _ = self._weigh(packed, self._kept, product, (places, result))
-            for point, vertices, shares in landing:
+            hits, _ = self._weigh(packed, self._kept, product, (places, result))
+            for point, vertices, shares in hits:
                 if point < len(chosen):
                     result[chosen[point]] = 0.0
                     np.add.at(result[chosen[point]], vertices, shares)
@@ -75,51 +75,51 @@ class MeshMeanValue(Boundary):
         columns = self._columns(values)
         result = np.empty((len(points), values.shape[1]))
         done = 0
-        for chosen, packed in self._batches(points, FACE_VISITS / len(self._surface.faces)):
-            landing, carried = self._interpolated(packed, len(chosen), columns)
-            result[chosen] = carried[:, : values.shape[1]]
-            for point, vertices, shares in landing:
+        for chosen, packed in self._batches(points, VISITS_PER_STEP / len(self._surface.faces)):
+            hits, interpolated = self._interpolate(packed, len(chosen), columns)
+            result[chosen] = interpolated[:, : values.shape[1]]
+            for point, vertices, shares in hits:
                 if point < len(chosen):
                     result[chosen[point]] = shares @ values[vertices]
             done += len(chosen)
             yield done / len(points)
         return result
 
-    def _interpolated(self, packed: Floats, count: int, columns: Floats) -> tuple[list[Landed], Floats]:
+    def _interpolate(self, packed: Floats, count: int, columns: Floats) -> tuple[list[BoundaryPoint], Floats]:
         """Values carried to packed points: which are on the surface, and (count, k) that hold for the others.
 
         Args:
-            packed: (blocks, 3, lanes).
-            count: of points; the last block repeats some.
+            packed: (packets, 3, lanes).
+            count: of points; the last packet repeats some.
             columns: see `_columns`.
         """
-        blocks, lanes = len(packed), min(_kernels.LANES, 4 * -(-count // 4))
-        parts = max(1, self._workers // blocks)
-        sums = np.zeros((blocks, parts, lanes, len(columns) * _kernels.LANES))
-        kept = np.empty((self._workers, self._scratch.seen.shape[1], _kernels.LANES))
+        packets, lanes = len(packed), min(_kernels.LANES, 4 * -(-count // 4))
+        parts = max(1, self._workers // packets)
+        sums = np.zeros((packets, parts, lanes, len(columns) * _kernels.LANES))
+        kept = np.empty((self._workers, self._workspaces.distances.shape[1], _kernels.LANES))
         nowhere = np.empty((0, 0), dtype=np.int64), np.empty((0, 0))
-        landing, totals = self._weigh(packed, kept, (columns, sums), nowhere)
+        hits, totals = self._weigh(packed, kept, (columns, sums), nowhere)
         total = totals.sum(axis=1).ravel()[:count]
         total[~(total > 0.0)] = np.nan  # outside: docs/mean_value.md
-        return landing, sums.sum(axis=1).reshape(blocks * lanes, -1)[:count] / total[:, None]
+        return hits, sums.sum(axis=1).reshape(packets * lanes, -1)[:count] / total[:, None]
 
     def _weigh(
         self, packed: Floats, kept: Floats, product: tuple[Floats, Floats], weights: tuple[Ints, Floats]
-    ) -> tuple[list[Landed], Floats]:
-        """Run the kernel; the points on the surface, and the weights' sums (blocks, parts, lanes)."""
-        blocks, parts = product[1].shape[:2]
-        landing, totals = _kernels.no_boundary_hits(blocks * parts), np.empty((blocks, parts, _kernels.LANES))
+    ) -> tuple[list[BoundaryPoint], Floats]:
+        """Run the kernel; the points on the surface, and the weights' sums (packets, parts, lanes)."""
+        packets, parts = product[1].shape[:2]
+        hits, totals = _kernels.no_boundary_hits(packets * parts), np.empty((packets, parts, _kernels.LANES))
         _kernels.weigh(
-            packed, self._surface, self.tolerance, self._scratch, landing, totals, kept, product, weights
+            packed, self._surface, self.tolerance, self._workspaces, hits, totals, kept, product, weights
         )
-        landed = []
-        for unit, lane in np.argwhere(landing.touched).tolist():
-            vertices = self._surface.vertices[landing.rows[unit, lane]]
-            landed.append((unit // parts * _kernels.LANES + lane, vertices, landing.shares[unit, lane]))
-        return landed, totals
+        on_boundary = []
+        for unit, lane in np.argwhere(hits.kinds).tolist():
+            vertices = self._surface.vertices[hits.vertices[unit, lane]]
+            on_boundary.append((unit // parts * _kernels.LANES + lane, vertices, hits.shares[unit, lane]))
+        return on_boundary, totals
 
     def _columns(self, values: Floats) -> Floats:
-        """The values at the surface's rows as (k / lanes, r, lanes), padded; kept if they cannot change."""
+        """The values at the surface's local vertices as (k / lanes, r, lanes), padded; kept if read-only."""
         if self._arranged is not None and self._arranged[0] is values:
             return self._arranged[1]
         count, lanes = values.shape[1], _kernels.LANES
@@ -136,17 +136,17 @@ class MeshMeanValue(Boundary):
         return _kernels.thread_count()
 
     @cached_property
-    def _scratch(self) -> _kernels.Scratch:
-        return _kernels.scratch_for(self._surface, self._workers)
+    def _workspaces(self) -> _kernels.Workspace:
+        return _kernels.workspaces_for(self._surface, self._workers)
 
     @cached_property
     def _kept(self) -> Floats:
         return np.empty((self._workers, len(self._surface.vertices), _kernels.LANES))
 
     def _batches(self, points: Floats, size: float) -> Generator[tuple[Ints, Floats], None, None]:
-        """Indices of some points that lie together, about so many, and the points as (blocks, 3, lanes).
+        """Indices of some points that lie together, about so many, and the points as (packets, 3, lanes).
 
-        The last block is filled up with copies.
+        The last packet is filled up with copies.
         """
         lanes = _kernels.LANES
         at_once = max(1, math.ceil(size / (lanes * self._workers))) * lanes * self._workers
@@ -154,23 +154,23 @@ class MeshMeanValue(Boundary):
         order = morton_order(np.where(np.isfinite(normalised), normalised, 0.0).clip(-1.0, 1.0))
         for start in range(0, len(points), at_once):
             chosen = order[start : start + at_once]
-            blocks = -(-len(chosen) // lanes)
-            padded = np.resize(chosen, blocks * lanes)
-            packed = normalised[padded].reshape(blocks, lanes, 3).transpose(0, 2, 1)
+            packets = -(-len(chosen) // lanes)
+            padded = np.resize(chosen, packets * lanes)
+            packed = normalised[padded].reshape(packets, lanes, 3).transpose(0, 2, 1)
             yield chosen, np.ascontiguousarray(packed)
 
-    def locate(self, points: Floats) -> PointClassification:
+    def classify(self, points: Floats) -> PointClassification:
         """Which of points (p, 3) are inside, and which on the surface."""
         nothing = np.zeros((1, len(self._surface.vertices), _kernels.LANES))
-        inside, landed = np.zeros(len(points), dtype=bool), {}
+        inside, on_boundary = np.zeros(len(points), dtype=bool), {}
         for chosen, packed in self._batches(points, len(points)):
-            landing, carried = self._interpolated(packed, len(chosen), nothing)
-            inside[chosen] = np.isfinite(carried[:, 0])
-            landed.update({int(chosen[at]): where for at, *where in landing if at < len(chosen)})
-        on = np.array(sorted(landed), dtype=np.int64)
+            hits, interpolated = self._interpolate(packed, len(chosen), nothing)
+            inside[chosen] = np.isfinite(interpolated[:, 0])
+            on_boundary.update({int(chosen[at]): hit for at, *hit in hits if at < len(chosen)})
+        on = np.array(sorted(on_boundary), dtype=np.int64)
         inside[on] = False
-        vertices = np.array([landed[point][0] for point in on], dtype=np.int64).reshape(-1, 3)
-        shares = np.array([landed[point][1] for point in on]).reshape(-1, 3)
+        vertices = np.array([on_boundary[point][0] for point in on], dtype=np.int64).reshape(-1, 3)
+        shares = np.array([on_boundary[point][1] for point in on]).reshape(-1, 3)
         # Rounding leaves shares a hair below 0 on edges.
         shares = np.maximum(shares, 0.0)
         return PointClassification(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from idviewer.core._kernels.mean_value.outline import locate, mean_value
+from idviewer.core._kernels.mean_value.outline import classify, mean_value
 from idviewer.core.arrays import Floats, as_points
 from idviewer.core.coordinates.point_classification import Boundary, PointClassification
 from idviewer.core.shapes.shape import Shape
@@ -27,17 +27,17 @@ class PolygonMeanValue(Boundary):
         self._vertices = np.ascontiguousarray(vertices.T)
         self._ends = np.ascontiguousarray(vertices[self.elements].reshape(-1, 4).T)
 
-    def locate(self, points: Floats) -> PointClassification:
+    def classify(self, points: Floats) -> PointClassification:
         """Which of points (p, 2) are inside, and which on an edge."""
-        edge, share, turns = locate(self.normalise(points), self._ends, self.tolerance)
+        edge, share, winding = classify(self.normalise(points), self._ends, self.tolerance)
         on = np.flatnonzero(edge >= 0)
         shares = np.stack([1.0 - share[on], share[on]], axis=1)
         return PointClassification(
-            np.flatnonzero((edge < 0) & (turns > 0)), on, self.elements[edge[on]], shares
+            np.flatnonzero((edge < 0) & (winding > 0)), on, self.elements[edge[on]], shares
         )
 
     def weights(self, points: ArrayLike) -> Floats:
         """(p, n) rows that sum to 1 of points (p, 2); NaN for points outside."""
-        places, where, result = self.rows(as_points(points, 2))
-        mean_value(places, where.inside, self._vertices, self.elements, self._ends, result)
+        places, classified, result = self.rows(as_points(points, 2))
+        mean_value(places, classified.inside, self._vertices, self.elements, self._ends, result)
         return result

@@ -1,4 +1,4 @@
-"""Where points are: inside, on the boundary, or outside; and the units that all evaluations work in."""
+"""Classification of points: inside, on the boundary, or outside; and the units that evaluations work in."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from idviewer.core.shapes.shape import Shape
 
 
 class PointClassification(NamedTuple):
-    """Of many points; those in neither list are outside.
+    """Which of many points are inside and on the boundary; those in neither list are outside.
 
     Attributes:
         inside: (q,) indices of points inside and off the boundary.
@@ -50,20 +50,20 @@ class Boundary(ABC):
         return (points - self._centre) * self._scale
 
     @abstractmethod
-    def locate(self, points: Floats) -> PointClassification:
-        """Which of points (p, dimension) are inside, and which on the boundary."""
+    def classify(self, points: Floats) -> PointClassification:
+        """Classify points (p, dimension) as inside, on the boundary or outside."""
 
     def rows(self, points: Floats) -> tuple[Floats, PointClassification, Floats]:
-        """For points (p, dimension): `normalise`, `locate`, and (p, n) rows of weights.
+        """Normalise and classify points (p, dimension), and begin their (p, n) rows of weights.
 
         The rows are ready for points on the boundary, where weights are linear, and outside, where they are
         NaN; those of points inside are to be filled in.
         """
-        where = self.locate(points)
+        classified = self.classify(points)
         result = np.empty((len(points), self._count))
         outside = np.ones(len(points), dtype=bool)
-        outside[where.inside] = False
+        outside[classified.inside] = False
         result[outside] = np.nan
-        result[where.on] = 0.0
-        np.add.at(result, (where.on[:, None], where.vertices), where.shares)
-        return self.normalise(points), where, result
+        result[classified.on] = 0.0
+        np.add.at(result, (classified.on[:, None], classified.vertices), classified.shares)
+        return self.normalise(points), classified, result

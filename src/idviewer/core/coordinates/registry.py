@@ -1,4 +1,4 @@
-"""What every kind of coordinates offers, and the table of all kinds."""
+"""Coordinates, the base of all kinds, and the table of all kinds."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from idviewer.core.arrays import Floats, as_points
 from idviewer.core.shapes.shape import ShapeLike, as_shape
 from idviewer.core.steps import finish
 
-WIDE, FEWEST, PRODUCTS = 256, 16, 2**26
-"""Columns from which on values are interpolated in portions, their fewest points, and about how many products
-of a weight and a value each takes."""
+LARGEST_WIDTH, FEWEST_POINTS, PRODUCTS_PER_STEP = 256, 16, 2**26
+"""Columns up to which values are interpolated all at once; else the fewest points of a portion, and about how
+many products of a weight and a value it takes."""
 
-NEGATIVITY_PAIRS = 1 << 20
+NEGATIVITY_WEIGHTS = 1 << 20
 """Weights held at once by `negativity_steps`: 8 MB."""
 
 
@@ -45,7 +45,7 @@ class Coordinates:
         properties: exactly those that it has; the tests prove them, and disprove the others.
         linear_on_boundary: whether on edges and faces it interpolates their ends linearly, so that it is
             enough to know a section's outline at the vertices.
-        pairs_in_a_step: points times vertices that are worked on between two checkpoints, 5 to 10 ms.
+        pairs_per_step: points times vertices that are worked on between two checkpoints, 5 to 10 ms.
         unconverged: at how many points inside, of all so far, no weights were found.
         warns: whether a warning tells of them; to be switched off by who reads `unconverged` instead.
 
@@ -59,7 +59,7 @@ class Coordinates:
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     properties: ClassVar[frozenset[Property]]
     linear_on_boundary: ClassVar[bool] = True
-    pairs_in_a_step: ClassVar[float] = 1e6
+    pairs_per_step: ClassVar[float] = 1e6
     unconverged = 0
     warns = True
 
@@ -87,10 +87,10 @@ class Coordinates:
             (p, k), NaN for points outside.
         """
         points = as_points(points, self.shape.dimension)
-        if values.shape[1] <= WIDE:
+        if values.shape[1] <= LARGEST_WIDTH:
             return (yield from self._interpolate_steps(points, values))
         result = np.empty((len(points), values.shape[1]))
-        size = max(FEWEST, PRODUCTS // values.size)
+        size = max(FEWEST_POINTS, PRODUCTS_PER_STEP // values.size)
         for start in range(0, len(points), size):
             part = slice(start, start + size)
             result[part] = finish(self._interpolate_steps(points[part], values))
@@ -100,7 +100,7 @@ class Coordinates:
     def _interpolate_steps(self, points: Floats, values: Floats) -> Generator[float, None, Floats]:
         """The same of few columns, or few points: by rows of weights, unless a kind knows better."""
         result = np.empty((len(points), values.shape[1]))
-        at_once = max(4, int(self.pairs_in_a_step / len(values)))
+        at_once = max(4, int(self.pairs_per_step / len(values)))
         for start in range(0, len(points), at_once):
             some = slice(start, start + at_once)
             result[some] = self.weights(points[some]) @ values
@@ -133,7 +133,7 @@ class Coordinates:
         return finish(self.negativity_steps(points))
 
     def negativity_steps(self, points: ArrayLike) -> Generator[float, None, Floats]:
-        """sum_i max(0, -w_i(p)) of points (p, dimension); yields the share done.
+        """Sum the negative weights, sum_i max(0, -w_i(p)), of points (p, dimension); yields the share done.
 
         Never more than a few megabytes of weights are held at once.
 
@@ -142,7 +142,7 @@ class Coordinates:
         """
         points = as_points(points, self.shape.dimension)
         result = np.empty(len(points))
-        pairs = min(NEGATIVITY_PAIRS, self.pairs_in_a_step)
+        pairs = min(NEGATIVITY_WEIGHTS, self.pairs_per_step)
         at_once = max(4, int(pairs / len(self.shape.vertices)))
         for start in range(0, len(points), at_once):
             some = slice(start, start + at_once)

@@ -12,10 +12,10 @@ from idviewer.core.coordinates.mean_value import mean_value_on
 from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
 from idviewer.core.shapes.shape import ShapeLike
 
-AT_ONCE = 1 << 18
+PAIRS_IN_MEMORY = 1 << 18
 """Points times vertices that are worked on at once: 2 MB an array."""
 
-SMALLEST = 1e-12
+SMALLEST_PART = 1e-12
 """Of a vertex's part of the boundary, as a share of the mean one; faces without area have no other."""
 
 
@@ -47,7 +47,7 @@ class ShepardCoordinates(Coordinates):
     menu_order = 30
     properties = frozenset(Property) - {Property.LINEAR_PRECISION}
     linear_on_boundary: ClassVar[bool] = False
-    pairs_in_a_step: ClassVar[float] = 3e5
+    pairs_per_step: ClassVar[float] = 3e5
 
     def __init__(self, shape: ShapeLike) -> None:
         super().__init__(shape)
@@ -65,9 +65,9 @@ class ShepardCoordinates(Coordinates):
         Returns:
             (p, n) rows that sum to 1; NaN for points outside.
         """
-        places, where, result = self._boundary.rows(as_points(points, self.shape.dimension))
-        within = np.concatenate([where.inside, where.on])
-        at_once = max(1, AT_ONCE // len(self._vertices))
+        places, classified, result = self._boundary.rows(as_points(points, self.shape.dimension))
+        within = np.concatenate([classified.inside, classified.on])
+        at_once = max(1, PAIRS_IN_MEMORY // len(self._vertices))
         for start in range(0, len(within), at_once):
             some = within[start : start + at_once]
             result[some] = self._at(places[some])
@@ -85,9 +85,13 @@ class ShepardCoordinates(Coordinates):
 
 
 def boundary_parts(vertices: Floats, elements: NDArray[np.int64]) -> Floats:
-    """Each vertex's part (n,) of the boundary: of edges (e, 2) or faces (m, 3), shared equally."""
+    """Each vertex's part (n,) of the boundary: of edges (e, 2) or faces (m, 3), shared equally.
+
+    >>> boundary_parts(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]]), np.array([[0, 1], [1, 2]])).tolist()
+    [2.0, 3.0, 1.0]
+    """
     sides = vertices[elements[:, 1:]] - vertices[elements[:, :1]]
     normals = sides[:, 0] if elements.shape[1] == 2 else np.cross(sides[:, 0], sides[:, 1])
     sizes = np.repeat(np.linalg.norm(normals, axis=1), elements.shape[1])
     parts = np.bincount(elements.ravel(), sizes, len(vertices))
-    return np.maximum(parts, SMALLEST * parts.mean())
+    return np.maximum(parts, SMALLEST_PART * parts.mean())

@@ -61,7 +61,7 @@ class BasisSamples:
         return self._planes[plane]
 
     def _affordable_nodes(self) -> int:
-        effort = Coordinates.pairs_in_a_step / self.solver.coordinates.pairs_in_a_step
+        effort = Coordinates.pairs_per_step / self.solver.coordinates.pairs_per_step
         visits = self._settings.facet_visits / (effort * len(self.solver.shape.facets))
         return int(min(visits, self._settings.basis_numbers / self.solver.boundary.basis.shape[1]))
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from idviewer.core._kernels.geometry.closest_points import land
+from idviewer.core._kernels.geometry.closest_points import project
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.steps import finish
@@ -81,7 +81,7 @@ class ClosestPointProjection:
         found, shares = np.empty(len(points), dtype=np.int64), np.empty((len(points), 3))
         for begin in range(0, len(points), POINTS_PER_STEP):
             part = slice(begin, begin + POINTS_PER_STEP)
-            land(points[part], starts[part], self.mesh.vertices, self.mesh.faces, self._first, self._around,
-                 found[part], shares[part])  # fmt: skip
+            mesh = self.mesh.vertices, self.mesh.faces, self._first, self._around
+            project(points[part], starts[part], *mesh, found[part], shares[part])
             yield min(1.0, (begin + POINTS_PER_STEP) / len(points))
         return SurfacePoints(found, shares)

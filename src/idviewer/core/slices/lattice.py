@@ -16,7 +16,7 @@ from idviewer.core.slices.mesh_sections import Section, cycles_of
 
 Ints32 = NDArray[np.int32]
 
-MARGIN = 0.25
+OUTLINE_MARGIN = 0.25
 """Cells nearer to the outline than this share of their side are left out."""
 
 
@@ -124,11 +124,11 @@ def _between(starts: Floats, ends: Floats, stride: int) -> Ints:
 def _near(starts: Floats, ends: Floats, stride: int) -> Ints:
     """Keys of the cells within the margin of the outline, found by walking along it in quarter cells."""
     sides = ends - starts
-    count = np.floor(np.abs(sides).max(axis=1) / MARGIN).astype(np.int64) + 1
+    count = np.floor(np.abs(sides).max(axis=1) / OUTLINE_MARGIN).astype(np.int64) + 1
     segment, step = counted(count)
     walk = starts[segment] + (step / count[segment])[:, None] * sides[segment]
-    low = np.floor(walk - MARGIN).astype(np.int64)
-    high = np.floor(walk + MARGIN).astype(np.int64)
+    low = np.floor(walk - OUTLINE_MARGIN).astype(np.int64)
+    high = np.floor(walk + OUTLINE_MARGIN).astype(np.int64)
     rows, columns = ((low[:, axis], high[:, axis]) for axis in (0, 1))
     return np.concatenate([row * stride + column for row in rows for column in columns])
 

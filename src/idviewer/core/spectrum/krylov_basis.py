@@ -7,8 +7,8 @@ from collections.abc import Generator, Iterator
 import numpy as np
 
 from idviewer.core._kernels import LANES
-from idviewer.core._kernels.linear_algebra.tall import (
-    PARTS,
+from idviewer.core._kernels.linear_algebra.tall_skinny import (
+    ROW_RANGES,
     inner_products,
     subtract_combinations,
     subtract_products,
@@ -98,7 +98,7 @@ def make_orthogonal(block: Floats, vectors: Floats) -> Floats:
 
 def inner(vectors: Floats, block: Floats) -> Floats:
     """Inner products (b * LANES, LANES) of vectors (b, n, LANES) with a block (n, LANES)."""
-    sums = np.zeros((PARTS, len(vectors) * LANES, LANES))
+    sums = np.zeros((ROW_RANGES, len(vectors) * LANES, LANES))
     inner_products(vectors, len(vectors), block, sums)
     total: Floats = sums.sum(axis=0)
     return total

@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from idviewer.core._kernels import LANES, thread_count
-from idviewer.core._kernels.linear_algebra.columns import below_diagonal, group_columns
+from idviewer.core._kernels.linear_algebra.supernodes import below_diagonal, group_columns
 from idviewer.core._kernels.linear_algebra.triangular import Columns, solve
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.spectrum.nested_dissection import SEPARATOR, dissection_steps

@@ -51,7 +51,7 @@ def _shares(vertices, corners, x, y, z, shares):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**SCALAR)
-def land(points, starts, vertices, faces, first, around, found, shares):  # type: ignore[no-untyped-def]
+def project(points, starts, vertices, faces, first, around, found, shares):  # type: ignore[no-untyped-def]
     """Walk from a vertex, for each point, to where no face at the corners of the closest one is closer.
 
     Args:

@@ -29,7 +29,7 @@ class Columns(NamedTuple):
         starts: (n + 1,) where each column's entries begin.
         rows: (z,) int32 of each entry, as numbered for its column, in ascending order in a column.
         values: (z,) of each entry.
-        over: (n,) 1 / D.
+        inverse_pivots: (n,) 1 / D.
         separating: (s,) the rows that separate.
     """
 
@@ -39,7 +39,7 @@ class Columns(NamedTuple):
     starts: Ints
     rows: NDArray[np.int32]
     values: Floats
-    over: Floats
+    inverse_pivots: Floats
     separating: Ints
 
 
@@ -80,17 +80,17 @@ def _forward(groups, widths, first, end, starts, rows, values, x):  # type: igno
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _backward(groups, widths, first, end, starts, rows, values, over, x):  # type: ignore[no-untyped-def]
+def _backward(groups, widths, first, end, starts, rows, values, inverse_pivots, x):  # type: ignore[no-untyped-def]
     """x = L^-T D^-1 x, for some groups of columns."""
     for place in range(end - 1, first - 1, -1):
         column = groups[place]
         at = column * LANES
-        a = load(x, at) * over[column]
+        a = load(x, at) * inverse_pivots[column]
         if widths[place] == 4:
             p, q, r, s = starts[column], starts[column + 1], starts[column + 2], starts[column + 3]
-            b = load(x, at + LANES) * over[column + 1]
-            c = load(x, at + 2 * LANES) * over[column + 2]
-            d = load(x, at + 3 * LANES) * over[column + 3]
+            b = load(x, at + LANES) * inverse_pivots[column + 1]
+            c = load(x, at + 2 * LANES) * inverse_pivots[column + 2]
+            d = load(x, at + 3 * LANES) * inverse_pivots[column + 3]
             for i in range(starts[column + 4] - s):
                 known = load(x, np.int64(rows[s + i]) * LANES)
                 a = a - values[p + 3 + i] * known
@@ -105,7 +105,7 @@ def _backward(groups, widths, first, end, starts, rows, values, over, x):  # typ
             store(x, at + 3 * LANES, d)
         elif widths[place] == 2:
             p, q = starts[column], starts[column + 1]
-            b = load(x, at + LANES) * over[column + 1]
+            b = load(x, at + LANES) * inverse_pivots[column + 1]
             for i in range(starts[column + 2] - q):
                 known = load(x, np.int64(rows[q + i]) * LANES)
                 a = a - values[p + 1 + i] * known
@@ -126,15 +126,15 @@ def _backward(groups, widths, first, end, starts, rows, values, over, x):  # typ
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
-def solve(groups, widths, first_group, starts, rows, values, over, separating, x):  # type: ignore[no-untyped-def]
+def solve(groups, widths, first_group, starts, rows, values, inverse_pivots, separating, x):  # type: ignore[no-untyped-def]
     """Solve A x = b in place.
 
     Args:
-        groups, widths, first_group, starts, rows, values, over, separating: `Columns`.
+        groups, widths, first_group, starts, rows, values, inverse_pivots, separating: `Columns`.
         x: (n + parts * s, LANES) right-hand sides in the first n rows, then solutions; the others are 0 and
             overwritten.
     """
-    parts, count = first_group.shape[0] - 1, over.shape[0]
+    parts, count = first_group.shape[0] - 1, inverse_pivots.shape[0]
     extra = separating.shape[0]
     for part in numba.prange(parts):
         _forward(groups, widths, first_group[part], first_group[part + 1], starts, rows, values, x)
@@ -143,9 +143,11 @@ def solve(groups, widths, first_group, starts, rows, values, over, separating, x
             row, copy = separating[i] * LANES, (count + part * extra + i) * LANES
             store(x, row, load(x, row) + load(x, copy))
     _forward(groups, widths, first_group[parts], len(groups), starts, rows, values, x)
-    _backward(groups, widths, first_group[parts], len(groups), starts, rows, values, over, x)
+    _backward(groups, widths, first_group[parts], len(groups), starts, rows, values, inverse_pivots, x)
     for part in range(parts):
         for i in range(extra):
             store(x, (count + part * extra + i) * LANES, load(x, separating[i] * LANES))
     for part in numba.prange(parts):
-        _backward(groups, widths, first_group[part], first_group[part + 1], starts, rows, values, over, x)
+        _backward(
+            groups, widths, first_group[part], first_group[part + 1], starts, rows, values, inverse_pivots, x
+        )

@@ -1,13 +1,13 @@
-"""theta / sin(theta) as a polynomial in s = sin^2(theta / 2), so that kernels need no trigonometry."""
+"""theta / sin(theta) as near-minimax polynomials in s = sin^2(theta / 2): kernels need no trigonometry."""
 
 from __future__ import annotations
 
 import numpy as np
 
-SLIGHT_LIMIT = 1.0 / 16.0
+LIMIT_TO_29_DEGREES = 1.0 / 16.0
 """Up to this s a short polynomial does: angles below 29 degrees."""
 
-DISTANT_LIMIT = 1.0 / 128.0
+LIMIT_TO_10_DEGREES = 1.0 / 128.0
 """Up to this s a still shorter one does: angles below 10 degrees."""
 
 
@@ -26,11 +26,11 @@ def fit_angle_ratio(highest: float, degree: int) -> tuple[float, ...]:
     return tuple(float(value) for value in fit.convert(kind=np.polynomial.Polynomial).coef)
 
 
-NEAR = fit_angle_ratio(0.5, 20)
+RATIO_TO_90_DEGREES = fit_angle_ratio(0.5, 20)
 """On [0, 1/2], with an error of 5e-16."""
 
-SLIGHT = fit_angle_ratio(SLIGHT_LIMIT, 8)
-"""On [0, SLIGHT_LIMIT], with an error of 1e-17 in theta / sin(theta)."""
+RATIO_TO_29_DEGREES = fit_angle_ratio(LIMIT_TO_29_DEGREES, 8)
+"""On [0, LIMIT_TO_29_DEGREES], with an error of 1e-17 in theta / sin(theta)."""
 
-DISTANT = fit_angle_ratio(DISTANT_LIMIT, 4)
-"""On [0, DISTANT_LIMIT], likewise."""
+RATIO_TO_10_DEGREES = fit_angle_ratio(LIMIT_TO_10_DEGREES, 4)
+"""On [0, LIMIT_TO_10_DEGREES], likewise."""

@@ -14,19 +14,19 @@ import numpy as np
 
 from idviewer.core._kernels.simd.options import OPTIONS, TINY
 
-ENOUGH = 1e-13
+MEAN_LENGTH_TOLERANCE = 1e-13
 """Length of the mean at which Newton's method stops; the last step usually lands far below."""
 
-STEPS = 200
+MOST_EVALUATIONS = 200
 """Largest number of steps; some six to twenty are usual."""
 
-FIRST_RADIUS = 16.0
+FIRST_STEP_LENGTH = 16.0
 """Length of lambda's first step, roughly."""
 
-NOISE = 1e-14
+LOG_Z_ERROR = 1e-14
 """Relative error of log Z."""
 
-SUMMING = {**OPTIONS, "fastmath": {"contract", "nsz", "reassoc"}}
+SUM_OPTIONS = {**OPTIONS, "fastmath": {"contract", "nsz", "reassoc"}}
 
 
 @numba.njit(**OPTIONS)
@@ -42,8 +42,8 @@ def _edge_priors(x, edges, lengths, priors):  # type: ignore[no-untyped-def]
         r_j = math.sqrt(x[0, j] * x[0, j] + x[1, j] * x[1, j])
         dot, product = x[0, i] * x[0, j] + x[1, i] * x[1, j], r_i * r_j
         cross = x[0, i] * x[1, j] - x[1, i] * x[0, j]
-        bend = product + dot if dot > 0.0 else cross * cross / (product - dot)
-        rho = math.log(2.0 * bend / (r_i + r_j + lengths[0, e]) + TINY)
+        sum_ = product + dot if dot > 0.0 else cross * cross / (product - dot)
+        rho = math.log(2.0 * sum_ / (r_i + r_j + lengths[0, e]) + TINY)
         priors[i] -= rho
         priors[j] -= rho
 
@@ -56,7 +56,7 @@ def _side(s, q):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**OPTIONS)
-def _look_at_faces(p_0, p_1, p_2, c, seen):  # type: ignore[no-untyped-def]
+def _see_faces(p_0, p_1, p_2, c, seen):  # type: ignore[no-untyped-def]
     """Areas n_k of the triangles of p and each face's edges, and the factor (A / g)^3 / rho^2.
 
     A is the face's area, g = sum n_k, and rho = g - A is 0 on the face alone. n_k = sqrt(s_k^2 + q_k), where
@@ -87,7 +87,7 @@ def _face_priors(p, faces, constants, seen, priors):  # type: ignore[no-untyped-
 
     n_i belongs to the edge opposite to the vertex.
     """
-    _look_at_faces(p[0], p[1], p[2], constants, seen)
+    _see_faces(p[0], p[1], p[2], constants, seen)
     priors[:] = TINY
     for f in range(len(faces)):
         factor = seen[3, f]
@@ -98,7 +98,7 @@ def _face_priors(p, faces, constants, seen, priors):  # type: ignore[no-untyped-
         priors[i] = math.log(priors[i])
 
 
-@numba.njit(**SUMMING)
+@numba.njit(**SUM_OPTIONS)
 def _sums(x, w, sums):  # type: ignore[no-untyped-def]
     """sum w_i, its first moments and its second ones."""
     total = m_0 = m_1 = m_2 = 0.0
@@ -127,7 +127,7 @@ def _exponents(x, priors, l_0, l_1, l_2, w):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**OPTIONS)
-def _look(x, priors, multipliers, w, state):  # type: ignore[no-untyped-def]
+def _evaluate(x, priors, multipliers, w, state):  # type: ignore[no-untyped-def]
     """Weights at some lambda, not normalised, and the state: sum, mean, covariance, log Z, |mean|."""
     top = _exponents(x, priors, multipliers[0], multipliers[1], multipliers[2], w)
     for i in range(len(w)):
@@ -179,20 +179,20 @@ def find_weights(x, priors, flat, w, state, trial):  # type: ignore[no-untyped-d
         priors: (n,) logarithms.
         flat: whether the third coordinate is 0.
         w: (n,) output.
-        state, trial: (12,) scratch.
+        state, trial: (12,) workspace.
 
     Returns:
         Sum of the weights, the length of the mean, and the number of evaluations.
     """
     here, there = np.zeros(3), np.zeros(3)
-    _look(x, priors, here, w, state)
-    radius, stale, done = FIRST_RADIUS, False, 1
-    while done < STEPS and state[11] > ENOUGH:
+    _evaluate(x, priors, here, w, state)
+    radius, stale, done = FIRST_STEP_LENGTH, False, 1
+    while done < MOST_EVALUATIONS and state[11] > MEAN_LENGTH_TOLERANCE:
         d_0, d_1, d_2, gain = _newton_step(state, state[11] / radius + TINY, flat)
         there[0], there[1], there[2] = here[0] + d_0, here[1] + d_1, here[2] + d_2
-        _look(x, priors, there, w, trial)
+        _evaluate(x, priors, there, w, trial)
         done += 1
-        noise = NOISE * (1.0 + abs(state[10]))
+        noise = LOG_Z_ERROR * (1.0 + abs(state[10]))
         lower = state[10] - trial[10]
         stale = not (lower >= 0.1 * gain or (lower >= -noise and trial[11] < state[11]))
         if stale:
@@ -204,7 +204,7 @@ def find_weights(x, priors, flat, w, state, trial):  # type: ignore[no-untyped-d
                 radius *= 4.0
             here[:], state[:] = there, trial
     if stale:
-        _look(x, priors, here, w, state)
+        _evaluate(x, priors, here, w, state)
     return state[0], state[11], done
 
 

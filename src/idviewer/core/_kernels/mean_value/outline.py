@@ -1,4 +1,4 @@
-"""Points against the edges of a polygon: where they are, and their mean value coordinates.
+"""Points against the edges of a polygon: their classification, and their mean value coordinates.
 
 Notation as in docs/coordinates.md: x a query point, for an edge from a to b the distances r_a, r_b from x,
 the cross product A and the dot product D of a - x and b - x. Everything is in units of the bounding box's
@@ -34,16 +34,16 @@ def _on_edge(p_0, p_1, e_0, e_1, tolerance):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**OPTIONS)
-def _turns(x, y, ends, tolerance):  # type: ignore[no-untyped-def]
+def _winding_number(x, y, ends, tolerance):  # type: ignore[no-untyped-def]
     """Winding number of edges around x, and whether x may lie on one; a loop without branches."""
-    turns, near = 0, 0
+    winding, near = 0, 0
     for e in range(ends.shape[1]):
         a_0, a_1, b_0, b_1 = ends[0, e], ends[1, e], ends[2, e], ends[3, e]
         e_0, e_1 = b_0 - a_0, b_1 - a_1
         left = e_0 * (y - a_1) - (x - a_0) * e_1
         # Crossings with the ray towards lower x, by a rule that counts a vertex for one of its edges alone.
         below, beyond = a_1 <= y, b_1 <= y
-        turns += int(beyond & ~below & (left > 0.0)) - int(below & ~beyond & (left < 0.0))
+        winding += int(beyond & ~below & (left > 0.0)) - int(below & ~beyond & (left < 0.0))
         close = abs(left) <= 2.0 * tolerance * (abs(e_0) + abs(e_1))
         near |= int(
             close
@@ -52,12 +52,12 @@ def _turns(x, y, ends, tolerance):  # type: ignore[no-untyped-def]
             & (min(a_1, b_1) - tolerance <= y)
             & (max(a_1, b_1) + tolerance >= y)
         )
-    return turns, near
+    return winding, near
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
-def locate(points, ends, tolerance):  # type: ignore[no-untyped-def]
-    """Which edge points lie on, and how often the edges turn around them.
+def classify(points, ends, tolerance):  # type: ignore[no-untyped-def]
+    """Classify points: which edge they lie on, and how often the edges wind around them.
 
     Args:
         points: (p, 2).
@@ -69,17 +69,17 @@ def locate(points, ends, tolerance):  # type: ignore[no-untyped-def]
         (p,) winding numbers, which hold off the boundary.
     """
     edge, share = np.full(len(points), -1), np.zeros(len(points))
-    turns = np.zeros(len(points), dtype=np.int64)
+    winding = np.zeros(len(points), dtype=np.int64)
     for p in numba.prange(len(points)):
         x, y = points[p, 0], points[p, 1]
-        turns[p], near = _turns(x, y, ends, tolerance)
+        winding[p], near = _winding_number(x, y, ends, tolerance)
         if near:
             for e in range(ends.shape[1]):
                 a_0, a_1 = ends[0, e], ends[1, e]
                 on = _on_edge(x - a_0, y - a_1, ends[2, e] - a_0, ends[3, e] - a_1, tolerance)
                 if on == 0.0 or on == 1.0 or (on > 0.0 and edge[p] < 0):
                     edge[p], share[p] = e, on
-    return edge, share, turns
+    return edge, share, winding
 
 
 @numba.njit(**OPTIONS)

@@ -1,4 +1,4 @@
-"""How many threads the parallel kernels use."""
+"""The number of threads that parallel kernels use."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numba
 
 
 def use_threads(count: int) -> int:
-    """Has kernels that this thread calls use so many threads; returns how many they used before.
+    """Have kernels that this thread calls use so many threads; returns how many they used before.
 
     >>> before = use_threads(1)
     >>> use_threads(before)

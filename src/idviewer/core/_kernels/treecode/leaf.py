@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from idviewer.core._kernels.mean_value.edge_on import edge_on_shares
 from idviewer.core._kernels.mean_value.faces import near_shares
-from idviewer.core._kernels.mean_value.grazing import grazing_shares
 from idviewer.core._kernels.simd.lanes import LANES, bits, load, root, store
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, TINY
 from idviewer.core.arrays import Floats, Ints
@@ -106,17 +106,17 @@ def weigh_leaf(x, y, z, corners, leaf, count, tolerance, shares):  # type: ignor
     a, over_a = _unit(_corner(corners, place, x, y, z))
     b, over_b = _unit(_corner(corners, place + 3 * LANES, x, y, z))
     c, over_c = _unit(_corner(corners, place + 6 * LANES, x, y, z))
-    w_a, w_b, w_c, flat = near_shares(a, b, c)
+    w_a, w_b, w_c, edge_on = near_shares(a, b, c)
     store(shares, 0, w_a * over_a)
     store(shares, LANES, w_b * over_b)
     store(shares, 2 * LANES, w_c * over_c)
-    doubtful = bits(flat)
+    doubtful = bits(edge_on)
     for over in (over_a, over_b, over_c):
         doubtful |= bits(over * tolerance >= 1.0)
     if doubtful:
         for face in range(count):
             if (doubtful >> face) & 1:
-                w_a, w_b, w_c, touches = grazing_shares(
+                w_a, w_b, w_c, touches = edge_on_shares(
                     (x, y, z),
                     _place(corners, leaf, 0, face),
                     _place(corners, leaf, 1, face),

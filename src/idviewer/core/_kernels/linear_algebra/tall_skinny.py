@@ -1,4 +1,4 @@
-"""Products of tall blocks of LANES vectors, whose rows several threads share.
+"""Tall-skinny matrix products: of blocks of LANES long vectors, whose rows several threads share.
 
 A basis here is (blocks, n, LANES), C-contiguous, of which the first blocks are used; a block is (n, LANES).
 General matrix products, as BLAS has them, gain little from blocks as narrow as these.
@@ -12,18 +12,18 @@ import numpy as np
 from idviewer.core._kernels.simd.lanes import LANES, at, load, prefetch, store
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
 
-PARTS = 16
+ROW_RANGES = 16
 """Pieces that the rows are cut into, however many threads there are: sums come out the same."""
 
-TILE = 64
+ROWS_IN_CACHE = 64
 """Rows of a block that are taken at a time, so that they stay in the processor's nearest cache. The next ones
 are fetched meanwhile, without which half the time is spent waiting for them."""
 
-ABREAST = 8
+VECTORS_IN_REGISTERS = 8
 """Vectors that are summed up side by side in registers."""
 
-LINE = 8
-"""Numbers in a line of memory."""
+NUMBERS_IN_CACHE_LINE = 8
+"""Numbers in a line of the processor's cache."""
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
@@ -32,13 +32,13 @@ def inner_products(basis, blocks, block, sums):  # type: ignore[no-untyped-def]
 
     Args:
         basis, blocks, block: see above.
-        sums: (PARTS, >= blocks * LANES, LANES) they are added to it.
+        sums: (ROW_RANGES, >= blocks * LANES, LANES) they are added to it.
     """
     count, stride = block.shape[0], sums.shape[1] * LANES
-    for part in numba.prange(PARTS):
-        last = (part + 1) * count // PARTS
-        for first in range(part * count // PARTS, last, TILE):
-            end = min(first + TILE, last)
+    for part in numba.prange(ROW_RANGES):
+        last = (part + 1) * count // ROW_RANGES
+        for first in range(part * count // ROW_RANGES, last, ROWS_IN_CACHE):
+            end = min(first + ROWS_IN_CACHE, last)
             for i in range(blocks):
                 place = part * stride + i * LANES * LANES
                 _add_inner_products(basis, i * count * LANES, block, first, end, sums, place)
@@ -47,7 +47,7 @@ def inner_products(basis, blocks, block, sums):  # type: ignore[no-untyped-def]
 @numba.njit(**ALLOCATION_FREE)
 def _add_inner_products(basis, base, block, first, end, sums, place):  # type: ignore[no-untyped-def]
     """Inner products of some rows of two blocks, added to (LANES, LANES) numbers at a place among sums."""
-    for half in range(0, LANES, ABREAST):
+    for half in range(0, LANES, VECTORS_IN_REGISTERS):
         to = place + half * LANES
         a, b = load(sums, to), load(sums, to + LANES)
         c, d = load(sums, to + 2 * LANES), load(sums, to + 3 * LANES)
@@ -55,7 +55,7 @@ def _add_inner_products(basis, base, block, first, end, sums, place):  # type: i
         g, h = load(sums, to + 6 * LANES), load(sums, to + 7 * LANES)
         for row in range(first, end):
             x, q = load(block, row * LANES), base + row * LANES + half
-            prefetch(basis, q + TILE * LANES)
+            prefetch(basis, q + ROWS_IN_CACHE * LANES)
             a, b = a + at(basis, q) * x, b + at(basis, q + 1) * x
             c, d = c + at(basis, q + 2) * x, d + at(basis, q + 3) * x
             e, f = e + at(basis, q + 4) * x, f + at(basis, q + 5) * x
@@ -65,7 +65,7 @@ def _add_inner_products(basis, base, block, first, end, sums, place):  # type: i
 
 @numba.njit(**ALLOCATION_FREE)
 def _store_all(array, place, a, b, c, d, e, f, g, h):  # type: ignore[no-untyped-def]
-    """ABREAST vectors, one after the other."""
+    """VECTORS_IN_REGISTERS vectors, one after the other."""
     store(array, place, a)
     store(array, place + LANES, b)
     store(array, place + 2 * LANES, c)
@@ -87,10 +87,10 @@ def subtract_products(basis, blocks, coefficients, share, block, out):  # type: 
         out: (n, LANES).
     """
     count = block.shape[0]
-    for part in numba.prange(PARTS):
-        first, end = part * count // PARTS, (part + 1) * count // PARTS
-        whole = end - (end - first) % ABREAST
-        for row in range(first, whole, ABREAST):
+    for part in numba.prange(ROW_RANGES):
+        first, end = part * count // ROW_RANGES, (part + 1) * count // ROW_RANGES
+        whole = end - (end - first) % VECTORS_IN_REGISTERS
+        for row in range(first, whole, VECTORS_IN_REGISTERS):
             _subtract_from_rows(basis, blocks, coefficients, 0, share, block, row, out, row)
         for row in range(whole, end):
             _subtract_from_row(basis, blocks, coefficients, 0, share, block, row, out, row)
@@ -107,14 +107,14 @@ def subtract_combinations(basis, blocks, coefficients, order, out):  # type: ign
         out: (n, <= m * LANES).
     """
     count, width = out.shape
-    for part in numba.prange(PARTS):
-        room = np.empty((ABREAST, LANES))
-        first, end = part * count // PARTS, (part + 1) * count // PARTS
-        for row in range(first, end, ABREAST):
-            rows = min(ABREAST, end - row)
+    for part in numba.prange(ROW_RANGES):
+        room = np.empty((VECTORS_IN_REGISTERS, LANES))
+        first, end = part * count // ROW_RANGES, (part + 1) * count // ROW_RANGES
+        for row in range(first, end, VECTORS_IN_REGISTERS):
+            rows = min(VECTORS_IN_REGISTERS, end - row)
             for start in range(0, width, LANES):
                 place = start * coefficients.shape[1]
-                if rows == ABREAST:
+                if rows == VECTORS_IN_REGISTERS:
                     _subtract_from_rows(basis, blocks, coefficients, place, 0.0, basis, row, room, 0)
                 else:
                     for i in range(rows):
@@ -127,7 +127,7 @@ def subtract_combinations(basis, blocks, coefficients, order, out):  # type: ign
 
 @numba.njit(**ALLOCATION_FREE)
 def _subtract_from_rows(basis, blocks, coefficients, place, share, block, row, out, to):  # type: ignore[no-untyped-def]
-    """Some rows of share * block less those of basis @ coefficients, ABREAST of them.
+    """Some rows of share * block less those of basis @ coefficients, VECTORS_IN_REGISTERS of them.
 
     The coefficients begin at a place among their array, the result with a row of out.
     """
@@ -138,7 +138,9 @@ def _subtract_from_rows(basis, blocks, coefficients, place, share, block, row, o
     g, h = share * load(block, first + 6 * LANES), share * load(block, first + 7 * LANES)
     for i in range(blocks):
         base = i * basis.shape[1] * LANES + first
-        for line in range(ABREAST * LANES, 2 * ABREAST * LANES, LINE):
+        for line in range(
+            VECTORS_IN_REGISTERS * LANES, 2 * VECTORS_IN_REGISTERS * LANES, NUMBERS_IN_CACHE_LINE
+        ):
             prefetch(basis, base + line)
         for k in range(LANES):
             x, q = load(coefficients, place + (i * LANES + k) * LANES), base + k

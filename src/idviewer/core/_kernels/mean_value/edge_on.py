@@ -6,7 +6,7 @@ import math
 
 import numba
 
-from idviewer.core._kernels.mean_value.faces import near_bend
+from idviewer.core._kernels.mean_value.faces import near_ratio_less_1
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS, TINY
 
 
@@ -32,12 +32,12 @@ def _along(a, t, b):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _bend(s, c):  # type: ignore[no-untyped-def]
+def _ratio_less_1(s, c):  # type: ignore[no-untyped-def]
     """theta / sin(theta) - 1 from sin^2 and cos^2 of theta / 2."""
     if s <= c:
-        return near_bend(s)
+        return near_ratio_less_1(s)
     # Past a right angle: theta = pi - (the angle of the swapped halves).
-    return 0.5 * math.pi / math.sqrt(s * c + TINY) - near_bend(c) - 2.0
+    return 0.5 * math.pi / math.sqrt(s * c + TINY) - near_ratio_less_1(c) - 2.0
 
 
 @numba.njit(**ALLOCATION_FREE)
@@ -46,7 +46,7 @@ def _edge_vector(a, b):  # type: ignore[no-untyped-def]
     a = _along((0.0, 0.0, 0.0), 1.0 / math.sqrt(_dot(a, a) + TINY), a)
     b = _along((0.0, 0.0, 0.0), 1.0 / math.sqrt(_dot(b, b) + TINY), b)
     chord, twice_mean = _minus(b, a), _along(a, 1.0, b)
-    ratio = 1.0 + _bend(0.25 * _dot(chord, chord), 0.25 * _dot(twice_mean, twice_mean))
+    ratio = 1.0 + _ratio_less_1(0.25 * _dot(chord, chord), 0.25 * _dot(twice_mean, twice_mean))
     return _along((0.0, 0.0, 0.0), 0.5 * ratio, _cross(a, chord))
 
 
@@ -68,11 +68,11 @@ def _edge_flux(p, q, normal, h):  # type: ignore[no-untyped-def]
         return 0.0
     spatial = math.sqrt(area * area + h * h * length2)
     angle = math.atan2(spatial, inner + h * h)
-    bend = math.atan2(
+    difference = math.atan2(
         h * h * (length2 * inner / (spatial + area + TINY) - area),
         (inner + h * h) * inner + spatial * area,
     )
-    flux = bend / h - angle * h / (reach * (reach + offset))
+    flux = difference / h - angle * h / (reach * (reach + offset))
     return 0.5 * flux if signed >= 0.0 else -0.5 * flux
 
 
@@ -86,7 +86,7 @@ def _touches_edge(p, q, h, tolerance):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(**ALLOCATION_FREE)
-def grazing_shares(x, a, b, c, tolerance):  # type: ignore[no-untyped-def]
+def edge_on_shares(x, a, b, c, tolerance):  # type: ignore[no-untyped-def]
     """A face's shares where x lies in its plane or nearly so, and whether x lies on the face itself.
 
     Here the 3x3 solve is ill-conditioned, though its solution is not. With r = sum w_i (v_i - x) and W =

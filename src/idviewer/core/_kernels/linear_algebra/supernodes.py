@@ -1,11 +1,12 @@
-"""A sparse factor's columns, made ready for solving with several of them at a time."""
+"""Supernodes of a sparse factor: columns with the same entries, which a solve takes together."""
 
 from __future__ import annotations
 
 import numba
 import numpy as np
 
-WIDEST = 4
+LARGEST_SUPERNODE = 4
+"""Columns."""
 
 
 @numba.njit(cache=True)
@@ -25,7 +26,9 @@ def group_columns(starts, rows, part):  # type: ignore[no-untyped-def]
     first = 0
     while first < count:
         width = 1
-        while width < WIDEST and first + width < count and _joins(starts, rows, part, first + width):
+        while (
+            width < LARGEST_SUPERNODE and first + width < count and _joins(starts, rows, part, first + width)
+        ):
             width += 1
         if width == 3:
             width = 2

@@ -1,18 +1,18 @@
-"""Blocks of points against all patches of a surface, in parallel."""
+"""Packets of points against all blocks of a surface, in parallel."""
 
 from __future__ import annotations
 
 import numba
 import numpy as np
 
-from idviewer.core._kernels.mean_value.patches import boundary_hits_of, own_scratch, weigh_patch
+from idviewer.core._kernels.mean_value.cache_blocks import boundary_hits_of, weigh_block, workspace_of
 from idviewer.core._kernels.simd.lanes import LANES, at, choose, load, splat, store, transpose
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
 
 
 @numba.njit(**ALLOCATION_FREE)
 def _write_weights(kept, totals, surface, places, tile, result):  # type: ignore[no-untyped-def]
-    """Normalise a block's weights kept (r, LANES) into rows of result at places; NaN for points outside."""
+    """Normalise a packet's weights kept (r, LANES) into rows of result at places; NaN for points outside."""
     vertices, firsts, copies = result.shape[1], surface.first_copy, surface.copies
     scale = choose(load(totals, 0) > 0.0, 1.0 / load(totals, 0), np.nan)
     for start in range(0, vertices, LANES):
@@ -56,60 +56,60 @@ def _add_product(weights, values, first, end, sums):  # type: ignore[no-untyped-
 
 
 @numba.njit(**ALLOCATION_FREE)
-def _weigh_part(x, surface, part, tolerance, scratch, landing, totals, kept, values, sums):  # type: ignore[no-untyped-def]
-    """A range of patches against a block; see `weigh`."""
+def _weigh_part(x, surface, part, tolerance, workspace, hits, totals, kept, values, sums):  # type: ignore[no-untyped-def]
+    """A range of blocks against a packet; see `weigh`."""
     total = splat(0.0)
-    for patch in range(part[0], part[1]):
-        first, end = surface.first_row[patch], surface.first_row[patch + 1]
+    for block in range(part[0], part[1]):
+        first, end = surface.first_vertex[block], surface.first_vertex[block + 1]
         weights = kept if len(values) else kept[first:]
-        total = total + weigh_patch(x, surface, patch, tolerance, scratch, weights, landing)
+        total = total + weigh_block(x, surface, block, tolerance, workspace, weights, hits)
         if len(values):
             _add_product(weights, values, first, end, sums)
     store(totals, 0, total)
 
 
 @numba.njit(parallel=True, cache=True, **OPTIONS)
-def weigh(points, surface, tolerance, scratch, landing, totals, kept, product, weights):  # type: ignore[no-untyped-def]
+def weigh(points, surface, tolerance, workspace, hits, totals, kept, product, weights):  # type: ignore[no-untyped-def]
     """Exact mean value weights of many points; Ju, Schaefer and Warren 2005, vectorised over points.
 
     They are multiplied by values at the vertices and not kept, or written out if there are no values. The
     surface may be cut into parts that are worked on in parallel, so that few points occupy all workers.
 
     Args:
-        points: (blocks, 3, LANES).
+        points: (packets, 3, LANES).
         surface: a `Surface`.
         tolerance: how near the surface a point counts as lying on it.
-        scratch: see `scratch_for`.
-        landing: output, see `no_boundary_hits`; of the blocks times parts.
-        totals: (blocks, parts, LANES) output; sums of the weights, not positive for points outside.
-        kept: (workers, rows, LANES) scratch for the weights of a patch, of the surface if they are written.
-        product: values (k / LANES, r, LANES) at the surface's rows, and sums (blocks, parts, lanes, k), 0 at
-            first, output; values times weights that are not normalised. Only the first lanes are multiplied,
-            a multiple of 4.
-        weights: places (blocks, LANES), the row of the result for each point, -1 for none, and result (p, n),
-            output; normalised rows, NaN for points outside. There must be one part.
+        workspace: see `workspaces_for`.
+        hits: output, see `no_boundary_hits`; of the packets times parts.
+        totals: (packets, parts, LANES) output; sums of the weights, not positive for points outside.
+        kept: (workers, v, LANES) workspace for the weights of a block, of the surface if they are written.
+        product: values (k / LANES, r, LANES) at the surface's local vertices, and sums (packets, parts,
+            lanes, k), 0 at first, output; values times weights, not normalised. Only the first lanes are
+            multiplied, a multiple of 4.
+        weights: places (packets, LANES), the row of the result for each point, -1 for none, and result
+            (p, n), output; normalised rows, NaN for points outside. There must be one part.
     """
-    parts, patches = totals.shape[1], len(surface.balls)
+    parts, blocks = totals.shape[1], len(surface.balls)
     values, sums = product
     places, result = weights
     for worker in numba.prange(kept.shape[0]):
-        own = own_scratch(scratch, worker)
+        own = workspace_of(workspace, worker)
         for unit in range(worker, points.shape[0] * parts, kept.shape[0]):
-            block, part = unit // parts, unit % parts
+            packet, part = unit // parts, unit % parts
             _weigh_part(
-                points[block],
+                points[packet],
                 surface,
-                (part * patches // parts, (part + 1) * patches // parts),
+                (part * blocks // parts, (part + 1) * blocks // parts),
                 tolerance,
                 own,
-                boundary_hits_of(landing, unit),
-                totals[block, part],
+                boundary_hits_of(hits, unit),
+                totals[packet, part],
                 kept[worker],
                 values,
-                sums[block, part],
+                sums[packet, part],
             )
             if len(values) == 0:
-                _write_weights(kept[worker], totals[block, part], surface, places[block], own.tile, result)
+                _write_weights(kept[worker], totals[packet, part], surface, places[packet], own.tile, result)
 
 
 def thread_count() -> int:
