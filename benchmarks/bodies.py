@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull
 
 from idviewer.core import InteriorDistance, Mesh, Plane, section
 from idviewer.core.shapes.plane import AXES
-from idviewer.core.slices.triangulation import slice_mesh, spacing_for
+from idviewer.core.slices import slice_mesh, spacing_for
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import Query, default_plane
 

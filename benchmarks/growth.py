@@ -13,7 +13,7 @@ from timing import seconds_of, take_turns
 from truth import embedding_error
 
 from idviewer.core import MeanValueCoordinates, Mesh, read_mesh, sample_path
-from idviewer.core.coordinates.tolerance import Approximation
+from idviewer.core.coordinates import Approximation
 from idviewer.core.interior import extent
 from idviewer.core.steps import finish
 

@@ -13,7 +13,7 @@ from timing import take_turns
 
 from idviewer.core import section
 from idviewer.core.sampling import SliceValues
-from idviewer.core.slices.triangulation import slice_mesh, spacing_for
+from idviewer.core.slices import slice_mesh, spacing_for
 from idviewer.session.picking import FramePicker
 from idviewer.session.state import Display, Frame, Query, State, default_plane
 from idviewer.view.scene import Scene

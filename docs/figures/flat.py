@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from figures.registry import Run
 from idviewer.core import InteriorDistance, Polygon
-from idviewer.core.slices.polygon_sections import polygon_section
-from idviewer.core.slices.triangulation import SliceMesh, slice_mesh, spacing_for
+from idviewer.core.slices import SliceMesh, polygon_section, slice_mesh, spacing_for
 from idviewer.view.colormaps import colors
 
 Floats = NDArray[np.float64]

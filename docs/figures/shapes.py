@@ -16,7 +16,7 @@ from figures.bending import Floats, Map
 from figures.registry import SEED, Run
 from idviewer.core import Mesh, Plane, read_mesh, sample_path, section
 from idviewer.core.shapes.plane import AXES
-from idviewer.core.slices.triangulation import slice_mesh
+from idviewer.core.slices import slice_mesh
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "assets"))
 

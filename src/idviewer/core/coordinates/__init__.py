@@ -15,9 +15,11 @@ from idviewer.core.coordinates.registry import (
     coordinates_of,
     register_coordinates,
 )
+from idviewer.core.coordinates.tolerance import Approximation
 
 __all__ = [
     "COORDINATES",
+    "Approximation",
     "Coordinates",
     "MeanValueCoordinates",
     "Property",
