@@ -1,4 +1,4 @@
-"""What the commands do with parsed arguments. Heavy modules are imported where they are used."""
+"""Commands of the command line, on parsed arguments. Heavy modules are imported where they are used."""
 
 from __future__ import annotations
 

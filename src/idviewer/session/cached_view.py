@@ -1,4 +1,4 @@
-"""What a shape's first view shows and takes long to sample: it is kept beside the eigenpairs."""
+"""Cached first view of a shape: what takes long to sample is kept beside the eigenpairs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a pipeline's eigenpairs come from: the cache, if they are there, or else the solver."""
+"""Source of a pipeline's eigenpairs: the cache, if they are there, or else the solver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies under the mouse: points of slices and of the body, and the values there."""
+"""Picking: points of slices and of the body under the mouse, and the values there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a request to results, coarse to fine. Runs in the compute thread, or in the caller's own."""
+"""Pipeline from a request to results, coarse to fine. Runs in the compute thread, or in the caller's own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Telling how far long work is."""
+"""Progress of long work, as the user is told of it."""
 
 from __future__ import annotations
 

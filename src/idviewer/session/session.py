@@ -1,4 +1,4 @@
-"""What the user has before them: the state, what may be done to it, and who is told."""
+"""Session: the state before the user, what may be done to it, and who is told."""
 
 from __future__ import annotations
 

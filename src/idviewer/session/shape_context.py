@@ -1,4 +1,4 @@
-"""What stays of a shape between requests: eigenpairs, barycentroids, and samples that distances share."""
+"""Shape context: eigenpairs, barycentroids and samples that stay of a shape between requests."""
 
 from __future__ import annotations
 

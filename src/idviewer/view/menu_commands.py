@@ -1,4 +1,4 @@
-"""What the menus' lines do that need no more than the session and the picture, by their names in `menus`."""
+"""Commands of the menus that need no more than the session and the picture, by their names in `menus`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the mouse is doing: which button is down, what it hit, and how the cursor shows that."""
+"""Mouse state: which button is down, what it hit, and how the cursor shows that."""
 
 from __future__ import annotations
 

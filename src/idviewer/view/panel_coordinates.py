@@ -1,4 +1,4 @@
-"""Which coordinates carry distances inside: built from the registry of coordinates."""
+"""Choice of the coordinates that carry distances inside: built from their registry."""
 
 from __future__ import annotations
 

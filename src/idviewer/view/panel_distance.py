@@ -1,4 +1,4 @@
-"""Which distance, and its parameters: built from the registry of distances."""
+"""Choice of the distance, and its parameters: built from the registry of distances."""
 
 from __future__ import annotations
 

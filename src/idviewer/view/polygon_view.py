@@ -1,4 +1,4 @@
-"""How polygons are looked at: they lie in the plane z = 0 and are seen from straight above."""
+"""2D view: polygons lie in the plane z = 0 and are seen from straight above."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the compute thread to the GUI thread."""
+"""Posts from the compute thread to the GUI thread."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a path to bytes, whatever the path may be."""
+"""Bytes of files, whatever a path may be."""
 
 from __future__ import annotations
 

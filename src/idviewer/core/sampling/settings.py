@@ -1,4 +1,4 @@
-"""How densely and how accurately slices are sampled."""
+"""Settings of sampling: how densely and how accurately slices are sampled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with a mesh, and its sizes.
+"""Diagnosis of a mesh: its sizes and everything that is wrong with it.
 
 `diagnose` tells of the very checks that `repair_mesh` acts on and that `Mesh` must not need, so all
 three never disagree.

@@ -1,4 +1,4 @@
-"""Places for the unknowns of a sparse matrix that come without: hops from landmarks of its graph."""
+"""Positions for the unknowns of a sparse matrix that come without: hops from landmarks of its graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Orthonormal vectors by the hundred, each of them long, that others are made orthogonal to."""
+"""Krylov basis: orthonormal vectors by the hundred, each of them long, that others are made orthogonal to."""
 
 from __future__ import annotations
 

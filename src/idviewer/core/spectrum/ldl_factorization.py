@@ -1,4 +1,4 @@
-"""A sparse symmetric matrix, factored once and solved for many right-hand sides."""
+"""Sparse LDL^T factorization of a symmetric matrix, and solves for many right-hand sides."""
 
 from __future__ import annotations
 

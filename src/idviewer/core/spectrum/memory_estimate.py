@@ -1,4 +1,4 @@
-"""How much memory a shape needs, and a refusal before the work where the machine has less."""
+"""Memory estimate of the work on a shape, and a refusal before it where the machine has less."""
 
 from __future__ import annotations
 

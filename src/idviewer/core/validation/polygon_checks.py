@@ -1,4 +1,4 @@
-"""What makes points a polygon: checks that say what is wrong, where, and what to do."""
+"""Checks that make points a polygon: what is wrong, where, and what to do."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which edges of a polygon cross, touch or fold: shapely's robust predicates, and no tolerance."""
+"""Crossings, contacts and folds of a polygon's edges: shapely's robust predicates, and no tolerance."""
 
 from __future__ import annotations
 

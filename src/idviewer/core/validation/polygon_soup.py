@@ -1,4 +1,4 @@
-"""What a file holds: points, and polygons with any number of corners; and how polygons become triangles."""
+"""Polygon soups: points, and polygons with any number of corners, as files hold them; their triangulation."""
 
 from __future__ import annotations
 

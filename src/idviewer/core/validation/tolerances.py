@@ -1,4 +1,4 @@
-"""What validation takes for zero, always relative to the shape's own size."""
+"""Tolerances of validation, always relative to the shape's own size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the faces of a triangle mesh hang together: edges, loops, components, orientation, vertex fans.
+"""Topology of a triangle mesh: edges, loops, components, orientation, vertex fans.
 
 Everything is sorting and sparse graphs: a fraction of a second for a million faces. Half-edge h = 3 f + i
 runs from faces[f, i] to faces[f, (i + 1) % 3].

@@ -1,4 +1,4 @@
-"""How far thin triangles spoil the cotangent Laplacian. Measured in docs/eigenpairs.md."""
+"""Triangle quality: how far thin triangles spoil the cotangent Laplacian. Measured in docs/eigenpairs.md."""
 
 from __future__ import annotations
 

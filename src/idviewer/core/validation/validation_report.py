@@ -1,4 +1,4 @@
-"""What the validation of a mesh has found so far, and the mesh as repaired so far."""
+"""Validation report: what was found in a mesh so far, and the mesh as repaired so far."""
 
 from __future__ import annotations
 
