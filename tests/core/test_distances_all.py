@@ -238,12 +238,12 @@ def test_a_default_that_is_written_out_is_the_same(name, kind, rng):
     body = shape(name)
     points = inside(body, rng, 12)
     plain = InteriorDistance(body, complete(kind, body.vertices))
-    lambda_2 = float(plain.spectrum.values[0]) if plain.distance_kind.spectral else None
-    values = parameter_values(plain.distance_kind, lambda_2)
+    lambda_2 = float(plain.spectrum.values[0]) if plain.boundary.distance.spectral else None
+    values = parameter_values(plain.boundary.distance, lambda_2)
     numbers = {
         one: values[one] for one, of in parameters_of(DISTANCES[kind]).items() if isinstance(of, Number)
     }
-    written = InteriorDistance(body, replace(plain.distance_kind, **numbers))
+    written = InteriorDistance(body, replace(plain.boundary.distance, **numbers))
     np.testing.assert_allclose(
         written.distance(points[:6], points[6:]), plain.distance(points[:6], points[6:]), rtol=1e-9
     )
