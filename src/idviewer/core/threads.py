@@ -43,6 +43,7 @@ def few_threads(vertices: int, facets: int) -> Iterator[None]:
 def small_products() -> Iterator[None]:
     """Within it BLAS uses one thread: products of the weights of some points with a basis are small tasks.
 
+    >>> import numpy as np
     >>> with small_products():
     ...     product = np.ones((2, 3)) @ np.ones(3)
     >>> product.tolist()
