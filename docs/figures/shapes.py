@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from figures.bending import Floats, Map
 from figures.registry import SEED, Run
 from idviewer.core import Mesh, Plane, read_mesh, sample_path, section
-from idviewer.core.shapes.plane import AXES
+from idviewer.core.shapes import AXES
 from idviewer.core.slices import slice_mesh
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "assets"))

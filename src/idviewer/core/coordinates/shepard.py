@@ -15,7 +15,7 @@ from idviewer.core.shapes.shape import ShapeLike
 PAIRS_IN_MEMORY = 1 << 18
 """Points times vertices that are worked on at once: 2 MB an array."""
 
-SMALLEST_PART = 1e-12
+LEAST_RELATIVE_PART = 1e-12
 """Of a vertex's part of the boundary, as a share of the mean one; faces without area have no other."""
 
 
@@ -94,4 +94,4 @@ def boundary_parts(vertices: Floats, elements: NDArray[np.int64]) -> Floats:
     normals = sides[:, 0] if elements.shape[1] == 2 else np.cross(sides[:, 0], sides[:, 1])
     sizes = np.repeat(np.linalg.norm(normals, axis=1), elements.shape[1])
     parts = np.bincount(elements.ravel(), sizes, len(vertices))
-    return np.maximum(parts, SMALLEST_PART * parts.mean())
+    return np.maximum(parts, LEAST_RELATIVE_PART * parts.mean())

@@ -13,7 +13,7 @@ from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError, floats, missing
 from idviewer.core.validation.polygon_soup import PolygonSoup, concatenated, strips
 
-_TYPES = {
+_PROPERTY_TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
     **dict.fromkeys(("short", "int16"), "i2"),
@@ -144,9 +144,9 @@ def _header(data: bytes) -> tuple[str, list[Element], bytes]:
 
 
 def _type(name: str) -> str:
-    if name not in _TYPES:
+    if name not in _PROPERTY_TYPES:
         raise UnreadableError(f"its header has a type that means nothing: {name[:20]!a}")
-    return _TYPES[name]
+    return _PROPERTY_TYPES[name]
 
 
 def _records(element: Element, body: bytes, place: int, order: str) -> tuple[dict[str, Column], int]:

@@ -13,7 +13,7 @@ from idviewer.core.shapes.plane import Plane
 FACES_PER_PATCH = 32
 VERTICES_PER_PATCH = 32
 
-RELATIVE_ROUNDING = 32 * float(np.finfo(np.float64).eps)
+HEIGHT_ROUNDING = 32 * float(np.finfo(np.float64).eps)
 """Bound of the rounding errors in heights and boxes, as a share of the largest coordinate involved."""
 
 
@@ -78,7 +78,7 @@ class Patches:
         Returns:
             (c, 3) their vertices, and (c, 3) which of these are above.
         """
-        slack = RELATIVE_ROUNDING * (self.largest + max(map(abs, plane.origin)))
+        slack = HEIGHT_ROUNDING * (self.largest + max(map(abs, plane.origin)))
         above = self._above(plane, slack)
         _, near = self.face_boxes.sides(plane, slack)
         corners = self.corners[near]

@@ -21,7 +21,7 @@ from idviewer.core.validation.polygon_crossings import region_of
 
 __all__ = ["Polygon", "PolygonError"]
 
-RELATIVE_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+ON_EDGE_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 """Points nearer to an edge than this share of the largest coordinate lie on it, as far as floats can tell."""
 
 
@@ -169,7 +169,7 @@ class Polygon:
         """
         points = as_points(points, 2)
         inside: NDArray[np.bool_] = shapely.intersects_xy(self._region, points[:, 0], points[:, 1])
-        slack = RELATIVE_ROUNDING * float(np.abs(self.vertices).max())
+        slack = ON_EDGE_ROUNDING * float(np.abs(self.vertices).max())
         low, high = self.bounds
         beside = ~inside & ((points >= low - slack) & (points <= high + slack)).all(axis=1)
         inside[beside] = shapely.dwithin(self._region, shapely.points(points[beside]), slack)

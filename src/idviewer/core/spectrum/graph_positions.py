@@ -8,12 +8,12 @@ from scipy.sparse import csgraph
 
 from idviewer.core.arrays import Floats, Ints
 
-LANDMARKS = 3
+LANDMARKS_PER_COMPONENT = 3
 """Of each component; their hop distances are the coordinates."""
 
 
 def graph_positions(matrix: sparse.csc_array) -> Floats:
-    """Places (n, LANDMARKS) in which neighbours lie next to each other, for `dissect`.
+    """Places (n, LANDMARKS_PER_COMPONENT) in which neighbours lie next to each other, for `dissect`.
 
     The coordinates are numbers of edges to landmarks, each as far as can be from those before; components
     lie side by side.
@@ -30,8 +30,8 @@ def graph_positions(matrix: sparse.csc_array) -> Floats:
     _, first = np.unique(component, return_index=True)
     farthest = _hops(graph, first)
     total = np.zeros(graph.shape[0])
-    positions = np.empty((graph.shape[0], LANDMARKS))
-    for axis in range(LANDMARKS):
+    positions = np.empty((graph.shape[0], LANDMARKS_PER_COMPONENT))
+    for axis in range(LANDMARKS_PER_COMPONENT):
         positions[:, axis] = _hops(graph, _last_of_each(farthest, component))
         total = positions[:, axis] if axis == 0 else np.minimum(total, positions[:, axis])
         farthest = total

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.steps import finish
 
-SMALLEST_PART = 24
+LEAST_PART_SIZE = 24
 """Parts of about so many vertices are not cut any more."""
 
 MOST_OFF_CENTRE = 0.15
@@ -46,7 +46,7 @@ def dissect(points: Floats, edges: Ints) -> tuple[Ints, NDArray[np.int8]]:
 def dissection_steps(points: Floats, edges: Ints) -> Generator[None, None, tuple[Ints, NDArray[np.int8]]]:
     """`dissect` as a generator."""
     count = len(points)
-    levels = max(1, math.ceil(math.log2(max(count, 2) / SMALLEST_PART)))
+    levels = max(1, math.ceil(math.log2(max(count, 2) / LEAST_PART_SIZE)))
     halves = np.zeros((count, levels), dtype=np.int8)
     left, part, place = np.arange(count), np.zeros(count, dtype=np.int64), np.zeros(count, dtype=np.int64)
     for level in range(levels):
