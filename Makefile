@@ -13,7 +13,7 @@ BENCH_ARGS ?=
 PYTEST_ARGS ?=
 FIGURES ?=
 
-.PHONY: help run test check lint test-core bench pictures figures shapes clean system-run system-test
+.PHONY: help run test check lint test-core test-lowest bench pictures figures shapes clean system-run system-test
 
 help: ## this list
 	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  make \1\t\2/p' Makefile | expand -t 18
@@ -36,6 +36,9 @@ lint: $(VENV)/installed-lint ## formatting, lint, types and import contracts alo
 test-core: $(VENV)/core/installed ## core and session in an environment without Qt and PyVista
 	@$(VENV)/core/bin/python -m pytest tests/core tests/session tests/test_imports.py src/idviewer/core src/idviewer/session
 
+test-lowest: system-test $(VENV)/lowest/installed ## core, session and pictures with the oldest versions that pyproject.toml allows
+	@OPENBLAS_NUM_THREADS=1 $(VENV)/lowest/bin/python -m pytest -q -m "not slow" tests/core tests/session tests/view/test_images.py
+
 bench: system-test $(VENV)/installed-test ## speed, errors and memory, beside peers and bars: tables, and JSON (BENCH_ARGS are passed on)
 	@$(PYTHON_IN) benchmarks/run.py $(BENCH_ARGS)
 
@@ -57,7 +60,7 @@ system-run system-test: system-%:
 	@scripts/system-libraries $*
 
 # Stamps are touched last, so an interrupted or failed set-up is done again.
-$(VENV)/created $(VENV)/core/created: %/created:
+$(VENV)/created $(VENV)/core/created $(VENV)/lowest/created: %/created:
 	@scripts/system-libraries venv
 	@"$$(scripts/find-python)" -m venv $*
 	@touch $@
@@ -75,4 +78,12 @@ $(VENV)/installed-test $(VENV)/installed-lint $(VENV)/installed-shapes: $(VENV)/
 $(VENV)/core/installed: pyproject.toml scripts/core-requirements | $(VENV)/core/created
 	@$(VENV)/core/bin/python scripts/core-requirements | xargs -d '\n' $(VENV)/core/bin/python -m pip --disable-pip-version-check install --quiet
 	@$(VENV)/core/bin/python -m pip --disable-pip-version-check install --quiet --no-deps --editable .
+	@touch $@
+
+# uv resolves to the lowest versions; what only the tests need is the newest.
+$(VENV)/lowest/installed: pyproject.toml | $(VENV)/lowest/created
+	@echo "Installing the oldest versions that idviewer works with into $(VENV)/lowest; a minute or two, once."
+	@$(VENV)/lowest/bin/python -m pip --disable-pip-version-check install --quiet uv
+	@$(VENV)/lowest/bin/uv pip compile --quiet --resolution lowest-direct --python $(VENV)/lowest/bin/python pyproject.toml --output-file $(VENV)/lowest/versions.txt
+	@$(VENV)/lowest/bin/uv pip install --quiet --python $(VENV)/lowest/bin/python --constraint $(VENV)/lowest/versions.txt --editable '.[test]'
 	@touch $@

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import importlib.util
 import os
 import shutil
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import hypothesis
@@ -132,8 +132,11 @@ def compiled(request: pytest.FixtureRequest, own_caches: Path, locks: Path) -> N
         from idviewer.core.compilation import compile_steps
         from idviewer.core.steps import finish
 
-        with (locks / "compiling").open("w") as file:  # where there are two processes, one does it
-            fcntl.flock(file, fcntl.LOCK_EX)
+        with (locks / "compiling").open("w") as file:
+            with suppress(ImportError):  # there is none on Windows, where each process compiles for itself
+                import fcntl
+
+                fcntl.flock(file, fcntl.LOCK_EX)  # where there are two processes, one does it
             finish(compile_steps(3))
 
 
