@@ -44,6 +44,7 @@ sys.exit(main(sys.argv[1:]))
 GENERIC = (
     "tests/core/test_distances_all.py",
     "tests/core/test_coordinates.py",
+    "tests/core/test_coordinates_properties.py",
     "tests/core/test_combinations.py",
     "tests/test_combinations.py",
 )

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from tests.core import shapes
 
@@ -176,3 +177,23 @@ def is_tetrahedron(polygons: PolygonSoup) -> bool:
     vertices, faces = shapes.tetrahedron()
     same = np.array_equal(polygons.vertices, vertices) and np.array_equal(polygons.sizes, [3] * 4)
     return same and np.array_equal(polygons.corners.reshape(-1, 3), faces)
+
+
+def write(folder: Path, suffix: str, data: bytes, stem: str = "thing") -> Path:
+    """A file of these bytes."""
+    path = folder / f"{stem}{suffix}"
+    path.write_bytes(data)
+    return path
+
+
+def refusal(path: Path, **how: int) -> str:
+    """The message of the error, which must be one line that begins with the path."""
+    with pytest.raises(MeshError) as caught:
+        read_mesh(path, **how)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    assert "\r" not in message
+    assert message.isprintable()
+    assert len(message) < len(str(path)) + 300
+    return message.removeprefix(f"{path}: ")

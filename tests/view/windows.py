@@ -172,3 +172,13 @@ def drop(window: MainWindow, *paths: Path) -> None:
     QApplication.sendEvent(window, enter)
     assert enter.isAccepted()
     QApplication.sendEvent(window, QDropEvent(here, Qt.DropAction.CopyAction, *how))
+
+
+def vertices_of(window: MainWindow) -> np.ndarray:
+    """Of the shape that is shown."""
+    return window.session.state.shape.vertices
+
+
+def place_of_vertex(window: MainWindow, vertex: int) -> tuple[float, float]:
+    """The pixel of a polygon's vertex."""
+    return place(window.viewport, [*vertices_of(window)[vertex], 0.0])
