@@ -11,7 +11,14 @@ Bools = NDArray[np.bool_]
 
 
 def as_points(points: ArrayLike, dimension: int) -> Floats:
-    """points as (p, dimension) float64; a ValueError names any other shape.
+    """Convert points to (p, dimension) float64.
+
+    Args:
+        points: (p, dimension) numbers.
+        dimension: 2 or 3.
+
+    Raises:
+        ValueError: they have another shape.
 
     >>> as_points([[0, 1, 2]], 3).shape
     (1, 3)
@@ -33,7 +40,17 @@ def in_space(points: ArrayLike) -> Floats:
 
 
 def as_pairs(p: ArrayLike, q: ArrayLike, dimension: int) -> tuple[Floats, Floats]:
-    """Two lists of points, (p, dimension) each, or (1, dimension); a ValueError names what does not match.
+    """Convert two lists of points to float64; either may hold a single one, for all of the other.
+
+    Args:
+        p, q: (p, dimension) or (1, dimension).
+        dimension: 2 or 3.
+
+    Returns:
+        The two as they are, not broadcast.
+
+    Raises:
+        ValueError: they have another shape, or there are not as many of both.
 
     >>> [len(points) for points in as_pairs([[0, 0]], [[1, 1], [2, 2]], 2)]
     [1, 2]

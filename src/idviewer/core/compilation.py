@@ -34,7 +34,7 @@ Calls = list[Callable[[], object]]
 
 @dataclass(frozen=True)
 class CompilationSettings:
-    """When compiling gets help from another process.
+    """Settings of compiling with the help of another process.
 
     Attributes:
         cold_start_seconds: that the first kernel takes at least where it has to be compiled; from a cache it

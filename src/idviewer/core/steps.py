@@ -35,6 +35,10 @@ def map_steps(
 ) -> Generator[Other, None, Result]:
     """Run steps as `yield from` does, but yield what a function makes of each item.
 
+    Args:
+        change: applied to each item.
+        steps: the generator to run; closed at the end, and returned from.
+
     >>> list(map_steps(lambda share: f"{share:.0%}", (share for share in (0.5, 1.0))))
     ['50%', '100%']
     """
