@@ -141,7 +141,13 @@ class Finding:
 
 
 def counted(kind: str, count: int, detail: str = "", place: tuple[Floats, float] | None = None) -> Finding:
-    """A finding of things that can be counted; `place` is one of their points and the size of the mesh.
+    """A finding of things that can be counted.
+
+    Args:
+        kind: a key of `KINDS`.
+        count: of the things.
+        detail: appended to the message.
+        place: one of their points (3,), and the size of the mesh.
 
     >>> counted("isolated_vertices", 2).note
     '2 isolated vertices were dropped.'
@@ -155,6 +161,13 @@ def stated(
     kind: str, subject: str, detail: str = "", count: int = 1, place: tuple[Floats, float] | None = None
 ) -> Finding:
     """A finding in words of its own.
+
+    Args:
+        kind: a key of `KINDS`.
+        subject: what was found, in words.
+        detail: appended to the message.
+        count: of the things found.
+        place: one of their points (3,), and the size of the mesh.
 
     >>> stated("no_volume", "no volume").fatal
     True

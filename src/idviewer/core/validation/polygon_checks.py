@@ -19,7 +19,10 @@ class PolygonError(ShapeError):
 
 
 def points_of(vertices: ArrayLike) -> Floats:
-    """The vertices as a new array. Raises PolygonError unless it is (n, 2) and finite.
+    """Copy vertices to a new (n, 2) array.
+
+    Raises:
+        PolygonError: they are not (n, 2) numbers, or not finite.
 
     >>> points_of([[0, 0], [1, 0]]).tolist()
     [[0.0, 0.0], [1.0, 0.0]]
@@ -37,7 +40,14 @@ def points_of(vertices: ArrayLike) -> Floats:
 
 
 def loops_of(loops: Sequence[ArrayLike] | None, count: int) -> tuple[Ints, ...]:
-    """The loops as arrays. Raises PolygonError unless each has three vertices and each vertex one loop.
+    """Copy loops to arrays; by default there is one, through all vertices in order.
+
+    Args:
+        loops: indices of vertices, or None.
+        count: of the vertices.
+
+    Raises:
+        PolygonError: a loop has fewer than three vertices, or a vertex is not in exactly one.
 
     >>> [loop.tolist() for loop in loops_of(None, 3)]
     [[0, 1, 2]]
@@ -126,7 +136,7 @@ def signed_area(points: Floats) -> float:
 
 
 def successors_of(loops: tuple[Ints, ...]) -> Ints:
-    """(n,) the vertex that follows each vertex.
+    """The vertex that follows each vertex, (n,).
 
     >>> successors_of((np.array([0, 2, 1]),)).tolist()
     [2, 0, 1]
@@ -190,6 +200,10 @@ def _refuse_nesting(vertices: Floats, loops: tuple[Ints, ...]) -> None:
 
 def described(vertices: Floats, vertex: int) -> str:
     """A vertex in words.
+
+    Args:
+        vertices: (n, 2).
+        vertex: its number.
 
     >>> described(np.array([[0.5, 2.0]]), 0)
     'vertex 0 (0.5, 2)'

@@ -10,12 +10,16 @@ from idviewer.core.arrays import Floats, Ints
 
 
 def _rings(vertices: Floats, loops: tuple[Ints, ...]) -> NDArray[np.object_]:
-    """(l,) the loops as shapely's rings."""
+    """The loops as shapely's rings, (l,)."""
     return np.array([shapely.linearrings(vertices[loop]) for loop in loops], dtype=object)
 
 
 def region_of(vertices: Floats, loops: tuple[Ints, ...]) -> shapely.Polygon:
-    """A polygon (n, 2) as shapely's; the outer one of its loops comes first.
+    """A polygon as shapely's; the outer one of its loops comes first.
+
+    Args:
+        vertices: (n, 2).
+        loops: indices into them.
 
     >>> region_of(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (np.arange(3),)).area
     0.5

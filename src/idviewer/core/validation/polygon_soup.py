@@ -28,9 +28,14 @@ class PolygonSoup:
 
     @classmethod
     def of(cls, vertices: ArrayLike, faces: ArrayLike | Sequence[Sequence[int]]) -> PolygonSoup:
-        """From an (m, k) array of vertex indices, or a sequence of index sequences of any lengths.
+        """Make a soup of points and lists of vertex indices.
 
-        Raises ValueError if these are not points and whole numbers.
+        Args:
+            vertices: (n, 3).
+            faces: (m, k) vertex indices, or a sequence of index sequences of any lengths.
+
+        Raises:
+            ValueError: these are not points and whole numbers.
         """
         points = np.array(vertices, dtype=np.float64, order="C")
         if points.size == 0:
@@ -66,7 +71,10 @@ def concatenated(rows: Sequence[Ints]) -> Ints:
 
 
 def whole_numbers(values: ArrayLike) -> Ints:
-    """Values as int64. Raises ValueError if one is not a whole number.
+    """Convert values to int64.
+
+    Raises:
+        ValueError: one is not a whole number, or is 2^62 or more.
 
     >>> whole_numbers([1.0, 2.0]).tolist()
     [1, 2]
@@ -82,7 +90,7 @@ def whole_numbers(values: ArrayLike) -> Ints:
 
 
 def strips(corners: Ints) -> Ints:
-    """(t, 3) triangles of one triangle strip; every other one is turned, so that all are wound alike.
+    """Triangles (t, 3) of one triangle strip; every other one is turned, so that all are wound alike.
 
     >>> strips(np.arange(4)).tolist()
     [[0, 1, 2], [2, 1, 3]]
@@ -95,7 +103,7 @@ def strips(corners: Ints) -> Ints:
 
 
 def triangulated(polygons: PolygonSoup) -> Ints:
-    """(t, 3) triangles with the polygons' corners, winding and order; none for under three corners.
+    """Triangles (t, 3) with the polygons' corners, winding and order; none for under three corners.
 
     A convex polygon becomes a fan; any other is cut into ears on the plane that fits it best. Every polygon
     of k corners gives k - 2 triangles, so no corner is lost and neighbours stay joined.
@@ -120,7 +128,7 @@ def triangulated(polygons: PolygonSoup) -> Ints:
 
 
 def _cut(vertices: Floats, rings: Ints) -> Ints:
-    """(p, k - 2, 3) triangles of (p, k) rings that have the same number of corners."""
+    """Triangles (p, k - 2, 3) of rings (p, k) that have the same number of corners."""
     size = rings.shape[1]
     fan = np.column_stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)])
     triangles = rings[:, fan]
@@ -139,7 +147,7 @@ def _cut(vertices: Floats, rings: Ints) -> Ints:
 
 
 def _ears(points: Floats, normal: Floats, fan: Ints) -> Ints:
-    """(k - 2, 3) triangles of one ring, cut on the plane with the given normal; else the fan."""
+    """Triangles (k - 2, 3) of one ring, cut on the plane with the given normal; else the fan."""
     axis = int(np.argmax(np.abs(normal)))
     scale = float(np.abs(points).max())
     if normal[axis] == 0.0 or scale == 0.0:

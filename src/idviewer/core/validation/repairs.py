@@ -11,7 +11,7 @@ from idviewer.core.validation.topology import component_labels, first_of_each
 
 
 def first_coincident(vertices: Floats) -> Ints:
-    """(n,) for each vertex the first one with exactly the same coordinates.
+    """For each vertex, the first one with exactly the same coordinates, (n,).
 
     >>> first_coincident(np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 0]])).tolist()
     [0, 1, 0]
@@ -28,7 +28,12 @@ def first_coincident(vertices: Floats) -> Ints:
 
 
 def first_within(vertices: Floats, chosen: Ints, distance: float) -> Ints:
-    """(n,) for each vertex the first of the chosen ones joined to it by steps of at most `distance`.
+    """For each vertex, the first of the chosen ones joined to it by steps of at most a distance, (n,).
+
+    Args:
+        vertices: (n, 3).
+        chosen: (c,) their numbers; all others stand for themselves.
+        distance: longest step, in the mesh's unit.
 
     >>> first_within(np.array([[0.0, 0, 0], [1, 0, 0], [1e-3, 0, 0]]), np.arange(3), 0.01).tolist()
     [0, 1, 0]
@@ -41,7 +46,7 @@ def first_within(vertices: Floats, chosen: Ints, distance: float) -> Ints:
 
 
 def repeating_a_vertex(faces: Ints) -> Bools:
-    """(m,) which faces have the same vertex twice.
+    """Tell which faces have the same vertex twice, (m,).
 
     >>> repeating_a_vertex(np.array([[0, 1, 2], [0, 1, 1]])).tolist()
     [False, True]
@@ -51,7 +56,7 @@ def repeating_a_vertex(faces: Ints) -> Bools:
 
 
 def duplicates_of_earlier(faces: Ints, either_winding: bool) -> Bools:
-    """(m,) which faces have the vertices of an earlier one, with the same winding or with either.
+    """Tell which faces have the vertices of an earlier one, with the same winding or with either, (m,).
 
     >>> duplicates_of_earlier(np.array([[0, 1, 2], [1, 2, 0], [2, 1, 0]]), either_winding=False).tolist()
     [False, True, False]
@@ -82,13 +87,22 @@ def without_unused_vertices(vertices: Floats, faces: Ints) -> tuple[Floats, Ints
 
 
 def side_vectors(vertices: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]:
-    """(m, 3) vectors along the sides opposite to the first, second and third corner."""
+    """Vectors (m, 3) along the sides opposite to the first, second and third corner.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
+    """
     a, b, c = (np.ascontiguousarray(vertices[faces[:, corner]]) for corner in range(3))
     return c - b, a - c, b - a
 
 
 def zero_area_faces(vertices: Floats, faces: Ints) -> Bools:
-    """(m,) which faces have no area.
+    """Tell which faces have no area, (m,).
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
 
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]])
     >>> zero_area_faces(corners, np.array([[0, 1, 2], [0, 1, 3]])).tolist()
@@ -105,7 +119,12 @@ def zero_area_faces(vertices: Floats, faces: Ints) -> Bools:
 
 
 def first_along_short_edges(vertices: Floats, faces: Ints) -> Ints:
-    """(n,) for each vertex the first one joined to it by sides without length of faces without area."""
+    """For each vertex, the first one joined to it by sides without length of faces without area, (n,).
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
+    """
     degenerate = faces[zero_area_faces(vertices, faces)]
     lengths = np.column_stack([np.linalg.norm(side, axis=1) for side in side_vectors(vertices, degenerate)])
     row, corner = np.nonzero(lengths <= TOLERANCES.face_height * lengths.max(axis=1, keepdims=True))
@@ -115,10 +134,17 @@ def first_along_short_edges(vertices: Floats, faces: Ints) -> Ints:
 
 
 def with_edges_flipped(vertices: Floats, faces: Ints) -> Ints:
-    """Faces of a closed surface, those without area removed by flips of the side facing the obtuse corner.
+    """Remove faces without area from a closed surface by flips of the side facing the obtuse corner.
 
     The corner lies on that side, so the flip keeps the shape. Faces that cannot be removed so stay as they
     are.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3); not changed.
+
+    Returns:
+        (m, 3) the faces after the flips.
     """
     faces = faces.copy()
     across = {pair: index // 3 for index, pair in enumerate(_half_edges(faces))}
@@ -164,6 +190,10 @@ def merged_vertices(vertices: Floats, faces: Ints, first: Ints) -> tuple[Floats,
 
 def volume_and_area(vertices: Floats, faces: Ints) -> tuple[float, float]:
     """Signed volume (of a closed surface; positive if its faces wind outward) and area.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
 
     >>> corners = np.array([[0.0, 0, 0], [6, 0, 0], [0, 1, 0], [0, 0, 1]])
     >>> round(volume_and_area(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))[0], 12)

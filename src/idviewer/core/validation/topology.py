@@ -38,7 +38,11 @@ def component_labels(count: int, a: Ints, b: Ints) -> tuple[int, Ints]:
 
 
 def first_of_each(labels: Ints, number: int) -> Ints:
-    """The smallest index that carries each label 0 .. number - 1.
+    """The smallest index that carries each label, (number,).
+
+    Args:
+        labels: (n,) 0 .. number - 1.
+        number: of labels.
 
     >>> first_of_each(np.array([1, 0, 1, 0]), 2).tolist()
     [1, 0]
@@ -70,22 +74,22 @@ class Topology:
 
     @cached_property
     def tails(self) -> Ints:
-        """(3m,) the vertex each half-edge starts at."""
+        """The vertex that each half-edge starts at, (3m,)."""
         return self.faces.ravel()
 
     @cached_property
     def heads(self) -> Ints:
-        """(3m,) the vertex each half-edge ends at."""
+        """The vertex that each half-edge ends at, (3m,)."""
         return self.faces[:, [1, 2, 0]].ravel()
 
     @cached_property
     def ends(self) -> Ints:
-        """(e, 2) the vertices of each edge, the lower index first, in ascending order."""
+        """Vertices (e, 2) of each edge, the lower index first, in ascending order."""
         return np.column_stack(np.divmod(self._sorted[2], self.vertex_count))
 
     @cached_property
     def face_counts(self) -> Ints:
-        """(e,) how many faces meet in each edge."""
+        """Number of faces that meet in each edge, (e,)."""
         order, starts, _ = self._sorted
         return np.diff(np.append(starts, len(order)))
 
@@ -106,14 +110,14 @@ class Topology:
 
     @cached_property
     def pairs(self) -> Ints:
-        """(p, 2) the two half-edges of every edge that has exactly two."""
+        """The two half-edges (p, 2) of every edge that has exactly two."""
         order, starts, _ = self._sorted
         double = starts[self.face_counts == 2]
         return np.column_stack([order[double], order[double + 1]])
 
     @cached_property
     def inconsistently_oriented(self) -> Bools:
-        """(p,) which pairs run in the same direction: their faces are wound against each other."""
+        """Tell which pairs run in the same direction, (p,): their faces are wound against each other."""
         return self.tails[self.pairs[:, 0]] == self.tails[self.pairs[:, 1]]
 
     def boundary_loops(self) -> int:
@@ -143,7 +147,7 @@ class Topology:
         return component_labels(len(self.faces), f, g)[0]
 
     def faces_to_flip(self) -> Bools | None:
-        """(m,) which faces to flip so that all are wound alike; None if the surface is one-sided.
+        """Tell which faces to flip so that all are wound alike, (m,); None if the surface is one-sided.
 
         Each face has two sides; an edge joins sides that agree. On a one-sided surface both sides of a face
         are connected. Of two consistent windings the one that flips fewer faces is taken.
@@ -162,7 +166,7 @@ class Topology:
         return (kept[front] < kept[back]) | ((kept[front] == kept[back]) & (front > back))
 
     def vertex_fans(self) -> Ints:
-        """(u,) the vertex of every cycle of faces around a vertex; on a manifold each vertex appears once.
+        """The vertex of every cycle of faces around a vertex, (u,); on a manifold each vertex appears once.
 
         For closed, consistently wound faces. Turning around a vertex permutes its half-edges; the smallest
         index of each cycle is found by doubling the step, so the rounds grow with the logarithm of the

@@ -35,7 +35,7 @@ LIMITS = TriangleQualityLimits()
 
 @dataclass(frozen=True)
 class TriangleQuality:
-    """What is wrong with the cotangent Laplacian of a surface.
+    """Faults of the cotangent Laplacian of a surface.
 
     Attributes:
         stiffness: how much of their freedom the functions that are linear on each triangle lose; see
@@ -57,7 +57,7 @@ class TriangleQuality:
 
     @property
     def description(self) -> str:
-        """What thin triangles do to the cotangent Laplacian, with the figure that decides."""
+        """The effect of thin triangles on the cotangent Laplacian, with the figure that decides."""
         if self.stiffness > LIMITS.stiffness:
             what = f"{self.thin_triangles:,} thin obtuse triangles, which stiffen"
             figure, limit = self.stiffness, LIMITS.stiffness
@@ -110,14 +110,14 @@ def triangle_quality_of(vertices: Floats, faces: Ints) -> TriangleQuality:
 
 
 def _beyond_largest(excess: Floats, corners: Ints, count: int) -> Floats:
-    """(count,) sums of the excess energies at each corner, without the largest of each."""
+    """Sums (count,) of the excess energies at each corner, without the largest of each."""
     largest = np.zeros(count)
     np.maximum.at(largest, corners, excess)
     return np.bincount(corners, excess, count) - largest
 
 
 def _excess_of_edges(cotangents: Floats, squares: Floats, faces: Ints) -> Floats:
-    """(m, 3) excess energy of each corner by the edge opposite, its share in the edge's negative weight."""
+    """Excess energy (m, 3) of each corner by the edge opposite, its share in the edge's negative weight."""
     ends = np.sort(np.stack([faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]], axis=-1).reshape(-1, 2), axis=1)
     pairs = np.lexsort(ends.T).reshape(-1, 2)
     weights = 0.5 * cotangents.ravel()[pairs].sum(axis=1)

@@ -38,7 +38,7 @@ class ValidationReport:
 
     @property
     def faces(self) -> Ints:
-        """(m, 3) triangles."""
+        """Triangles (m, 3)."""
         return self._faces
 
     @faces.setter
@@ -47,7 +47,7 @@ class ValidationReport:
 
     @property
     def topology(self) -> Topology:
-        """Of the current faces."""
+        """Topology of the current faces."""
         if self._topology is None:
             self._topology = Topology(self.faces, len(self.vertices))
         return self._topology
