@@ -33,7 +33,7 @@ class SurfacePoints:
     shares: Floats
 
     def matrix(self, mesh: Mesh) -> csr_array:
-        """(p, c) from values at the mesh's c vertices to those at the points: linear in each face."""
+        """Matrix (p, c) from values at the mesh's c vertices to those at the points: linear in each face."""
         shape = len(self.faces), len(mesh.vertices)
         starts = np.arange(0, self.shares.size + 1, 3)
         return csr_array((self.shares.ravel(), mesh.faces[self.faces].ravel(), starts), shape=shape)
@@ -74,7 +74,12 @@ class ClosestPointProjection:
     def project_steps(
         self, points: ArrayLike, starts: Ints | None = None
     ) -> Generator[float, None, SurfacePoints]:
-        """`project` as a generator that yields the share done every few milliseconds."""
+        """`project` as a generator that yields the share done every few milliseconds.
+
+        Args:
+            points: (p, 3).
+            starts: (p,) vertices to walk from; the closest ones by default.
+        """
         points = np.ascontiguousarray(points, dtype=np.float64)
         if starts is None:
             starts = self._tree.query(points)[1]

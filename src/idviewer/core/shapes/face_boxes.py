@@ -30,7 +30,15 @@ class Boxes:
         return cls(0.5 * (lowest + highest).T, 0.5 * (highest - lowest).T)
 
     def sides(self, plane: Plane, slack: float) -> tuple[Bools, Ints]:
-        """Which boxes have their middle above a plane, and the numbers of those that reach it."""
+        """Tell the side of a plane that each box is on, and the boxes that reach the plane.
+
+        Args:
+            plane: the one to compare with.
+            slack: height by which boxes are taken for larger.
+
+        Returns:
+            (b,) whether the middle of a box is above the plane, and (c,) numbers of boxes that reach it.
+        """
         normal = np.array(plane.normal)
         heights = (self.centres - np.array(plane.origin)) @ normal
         reach = self.extents @ np.abs(normal) + slack
@@ -88,7 +96,7 @@ class Patches:
         return self.vertices[corners[patch, :, face]], highs[patch, :, face]
 
     def _above(self, plane: Plane, slack: float) -> Bools:
-        """Which vertices, by place, are above a plane."""
+        """Tell which vertices, by place, are above a plane."""
         sides, near = self.vertex_boxes.sides(plane, slack)
         above = np.repeat(sides, VERTICES_PER_PATCH).reshape(-1, VERTICES_PER_PATCH)
         above[near] = heights(self.positions[:, near], plane) > 0.0
@@ -96,9 +104,13 @@ class Patches:
 
 
 def heights(positions: Floats, plane: Plane) -> Floats:
-    """Heights (...) of points (3, ...) above a plane, the same for a point wherever it stands in the array.
+    """Heights (...) of points above a plane, the same for a point wherever it stands in the array.
 
     A product of matrices does not promise that: its rounding depends on how it is blocked.
+
+    Args:
+        positions: (3, ...).
+        plane: the one that heights are above, along its normal.
 
     >>> heights(np.array([[5.0], [5.0], [4.0]]), Plane((0, 0, 1), (0, 0, 1))).tolist()
     [3.0]

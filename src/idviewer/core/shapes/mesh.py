@@ -40,7 +40,12 @@ class MeshError(ShapeError):
 
     @classmethod
     def from_report(cls, report: ValidationReport, name: str = "") -> MeshError:
-        """Tell what is fatal in a report, or else what a strict mesh refuses to have repaired."""
+        """Tell what is fatal in a report, or else what a strict mesh refuses to have repaired.
+
+        Args:
+            report: of a validation with findings.
+            name: of the mesh, to begin the message with; empty where it has none.
+        """
         fatal = [finding for finding in report.findings if finding.fatal]
         if fatal:
             parts = [finding.message for finding in fatal] + [fatal[0].remedy]
@@ -103,7 +108,13 @@ class Mesh:
 
     @classmethod
     def from_report(cls, report: ValidationReport, name: str, notes: tuple[str, ...]) -> Mesh:
-        """Take the mesh of a report without fatal findings; it is not validated again."""
+        """Take the mesh of a report without fatal findings; it is not validated again.
+
+        Args:
+            report: of the validation.
+            name: of the mesh.
+            notes: repairs made, one sentence each.
+        """
         mesh = object.__new__(cls)
         object.__setattr__(mesh, "name", name)
         mesh._fill(report, notes)
@@ -121,7 +132,7 @@ class Mesh:
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
-        """(2, 3) lowest and highest corner of the bounding box."""
+        """Lowest and highest corner of the bounding box, (2, 3)."""
         return _frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
 
     @cached_property
@@ -131,7 +142,7 @@ class Mesh:
 
     @property
     def centre(self) -> NDArray[np.float64]:
-        """(3,) of the bounding box."""
+        """Centre (3,) of the bounding box."""
         return 0.5 * (self.bounds[0] + self.bounds[1])
 
     @property
@@ -141,7 +152,7 @@ class Mesh:
 
     @cached_property
     def edges(self) -> NDArray[np.int64]:
-        """(e, 2) vertices of each edge, the lower index first, in ascending order."""
+        """Vertices (e, 2) of each edge, the lower index first, in ascending order."""
         return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
 
     @cached_property
@@ -156,7 +167,7 @@ class Mesh:
 
     @cached_property
     def face_areas(self) -> NDArray[np.float64]:
-        """(m,) area of each face."""
+        """Area of each face, (m,)."""
         _, b, c = side_vectors(self.vertices, self.faces)
         return _frozen(np.linalg.norm(np.cross(b, c), axis=1) / 2)
 

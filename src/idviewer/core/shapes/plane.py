@@ -63,7 +63,11 @@ class Plane:
 
     @classmethod
     def parse(cls, text: str, bounds: ArrayLike) -> Plane:
-        """A plane from "AXIS=FRACTION" or "OX,OY,OZ/NX,NY,NZ".
+        """Read a plane from "AXIS=FRACTION" or "OX,OY,OZ/NX,NY,NZ".
+
+        Args:
+            text: x=0.5 is half way along x; 0,0,0/0,0,1 is an origin and a normal.
+            bounds: (2, 3) lowest and highest corner of the body, for the fraction.
 
         Raises:
             ValueError: what is wrong with the text, in one line.
@@ -91,7 +95,7 @@ class Plane:
 
     @cached_property
     def basis(self) -> Floats:
-        """(2, 3) orthonormal vectors in the plane, read-only; with the normal they are right-handed."""
+        """Orthonormal vectors (2, 3) in the plane, read-only; with the normal they are right-handed."""
         # Across the normal and the axis it is farthest from.
         across = min(range(3), key=lambda axis: abs(self.normal[axis]))
         after, before = (across + 1) % 3, (across + 2) % 3
@@ -104,7 +108,7 @@ class Plane:
         return basis
 
     def height(self, points: ArrayLike) -> Floats:
-        """(p,) signed distances of (p, 3) points, positive on the normal's side."""
+        """Signed distances (p,) of points (p, 3), positive on the normal's side."""
         return (np.asarray(points, dtype=np.float64) - np.array(self.origin)) @ np.array(self.normal)
 
     def moved(self, distance: float) -> Plane:

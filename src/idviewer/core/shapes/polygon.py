@@ -92,7 +92,15 @@ class Polygon:
 
     @classmethod
     def of_loops(cls, loops: Sequence[ArrayLike], name: str = "", notes: Sequence[str] = ()) -> Polygon:
-        """The polygon whose loops are given as points, (k, 2) each, the last not repeating the first.
+        """Make the polygon whose loops are given as points.
+
+        Args:
+            loops: (k, 2) points each, the last not repeating the first.
+            name: of the polygon, which errors begin with.
+            notes: repairs made before, one sentence each.
+
+        Raises:
+            PolygonError: the loops are not finite points, or bound no polygon.
 
         >>> outer, hole = [[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [2, 1], [2, 2], [1, 2]]
         >>> Polygon.of_loops([outer, hole])
@@ -187,7 +195,7 @@ class Polygon:
 
     @cached_property
     def bounds(self) -> Floats:
-        """(2, 2) lowest and highest corner of the bounding box."""
+        """Lowest and highest corner of the bounding box, (2, 2)."""
         return _frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
 
     @cached_property
@@ -202,12 +210,12 @@ class Polygon:
 
     @cached_property
     def edges(self) -> Ints:
-        """(n, 2) each vertex and the one that follows it, the interior on the left."""
+        """Edges (n, 2): each vertex and the one that follows it, the interior on the left."""
         return _frozen(np.stack([np.arange(len(self.vertices)), checks.successors_of(self.loops)], axis=1))
 
     @cached_property
     def lengths(self) -> Floats:
-        """(n,) length of each edge."""
+        """Length of each edge, (n,)."""
         sides = self.vertices[self.edges[:, 1]] - self.vertices
         return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
 
@@ -223,17 +231,17 @@ class Polygon:
 
     @cached_property
     def bridges(self) -> Ints:
-        """(h, 2) vertices joined by each bridge; one bridge fewer than loops."""
+        """Vertices (h, 2) joined by each bridge; one bridge fewer than loops."""
         return _frozen(bridges_between(self.vertices, self.loops))
 
     @cached_property
     def bridge_lengths(self) -> Floats:
-        """(h,) length of each bridge."""
+        """Length of each bridge, (h,)."""
         sides = self.vertices[self.bridges[:, 1]] - self.vertices[self.bridges[:, 0]]
         return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
 
     def resistances(self) -> Floats:
-        """(n, n) effective resistances between vertices; edges and bridges resist as much as they are long.
+        """Effective resistances (n, n) between vertices; edges and bridges resist as much as they are long.
 
         The resistance between i and j is (e_i - e_j)^T L^+ (e_i - e_j) with the polygon's Laplacian L: the
         commute time distance squared, in closed form.

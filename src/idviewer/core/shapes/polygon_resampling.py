@@ -40,7 +40,12 @@ class _Arc:
 
 
 def resampled_loops(vertices: Floats, loops: tuple[Ints, ...], count: int) -> list[Floats]:
-    """Points of each loop, count in all.
+    """Points of each loop, (k, 2), count in all.
+
+    Args:
+        vertices: (n, 2).
+        loops: indices into them.
+        count: of the points.
 
     Raises:
         PolygonError: the corners alone are more than that.
@@ -78,7 +83,7 @@ def _arc(number: int, points: Floats, least: int) -> _Arc:
 
 
 def _shared(arcs: list[_Arc], count: int) -> list[int]:
-    """How many points each arc gets: one more, again and again, to the one where they are farthest apart."""
+    """Numbers of points on each arc: one more, again and again, on the one where they are farthest apart."""
     counts = [arc.least for arc in arcs]
     if sum(counts) > count:
         raise PolygonError(f"{count} points are too few for the {sum(counts)} corners; ask for more")

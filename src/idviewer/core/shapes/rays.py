@@ -18,7 +18,7 @@ RAY_PIECES = 16
 """manifold3d looks at all faces in a ray's bounding box; the boxes of pieces hold far fewer."""
 
 RELATIVE_SHIFT = 1e-12
-"""How far aside a ray is taken that ends on the surface or runs in it, as a share of the body's diagonal."""
+"""Shift of a ray that ends on the surface or runs in it, as a share of the body's diagonal."""
 
 MOST_SHIFTS = 4
 GENERAL_DIRECTION = np.array([0.36, 0.58, 0.73])
@@ -41,7 +41,7 @@ class Ray:
         return np.array(self.origin) + np.multiply.outer(distances, np.array(self.direction))
 
     def meets(self, plane: Plane) -> float | None:
-        """How far along the ray, in lengths of its direction, it meets the plane; None if it does not.
+        """Parameter at which the ray meets the plane, in lengths of its direction; None if it does not.
 
         >>> Ray((0, 0, 2), (0, 0, -1)).meets(Plane((0, 0, 0), (0, 0, 1)))
         2.0
@@ -55,7 +55,7 @@ class Ray:
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """Where a ray passes through a surface, nearest first; a crossing of an edge counts once.
+    """Crossings of a ray with a surface, nearest first; a crossing of an edge counts once.
 
     Attributes:
         distances: (c,) how far along the ray, in lengths of its direction.
@@ -128,7 +128,7 @@ def _alternate(exits: Bools) -> bool:
 
 
 def middle_of_first_chord(mesh: Mesh, ray: Ray) -> Floats | None:
-    """(3,) the middle of the first stretch of the ray that lies inside the mesh; None if it misses.
+    """Middle (3,) of the first stretch of the ray that lies inside the mesh; None if it misses.
 
     A ray that starts inside begins its first stretch where it starts.
 

@@ -45,7 +45,17 @@ def repair_mesh(
 
 
 def repaired_mesh(polygons: PolygonSoup, name: str, source: str, component: int | None) -> Mesh:
-    """Make a Mesh of polygons that may need repairs; `source` is what an error names."""
+    """Make a Mesh of polygons that may need repairs.
+
+    Args:
+        polygons: as they were read.
+        name: of the mesh.
+        source: what an error names, such as the file.
+        component: number of the one to take; None where there may be only one.
+
+    Raises:
+        MeshError: there are faults that cannot be repaired; it lists them.
+    """
     report = validate(polygons, component)
     if report.fatal:
         raise MeshError.from_report(report, source)

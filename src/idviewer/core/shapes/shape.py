@@ -36,23 +36,23 @@ class Shape(Protocol):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was repaired when it was read, one sentence each."""
+        """Repairs made when it was read, one sentence each."""
 
     @property
     def vertices(self) -> Floats:
-        """(n, dimension), read-only."""
+        """Vertices (n, dimension), read-only."""
 
     @property
     def edges(self) -> Ints:
-        """(e, 2) vertices of each edge of the boundary."""
+        """Vertices (e, 2) of each edge of the boundary."""
 
     @property
     def facets(self) -> Ints:
-        """(f, dimension) vertices of each piece of the boundary: triangles in space, edges in the plane."""
+        """Vertices (f, dimension) of each piece of the boundary: triangles in space, edges in the plane."""
 
     @property
     def bounds(self) -> Floats:
-        """(2, dimension) lowest and highest corner of the bounding box."""
+        """Lowest and highest corner of the bounding box, (2, dimension)."""
 
     @property
     def diagonal(self) -> float:

@@ -42,9 +42,13 @@ class Simplified:
 
 
 def simplified(mesh: Mesh, vertices: int) -> Mesh:
-    """A mesh with about so many vertices; it has more where edges can no longer be collapsed.
+    """Simplify a mesh to about so many vertices; it keeps more where edges can no longer be collapsed.
 
     Where no collapse is possible, or what is left encloses nothing, it is the mesh itself.
+
+    Args:
+        mesh: n vertices.
+        vertices: about how many to keep.
 
     >>> from idviewer.core import read_mesh, sample_path
     >>> hand = simplified(read_mesh(sample_path("hand")), 1000)
@@ -55,7 +59,15 @@ def simplified(mesh: Mesh, vertices: int) -> Mesh:
 
 
 def simplification_steps(mesh: Mesh, vertices: int) -> Generator[float | None, None, Simplified]:
-    """`simplified` as a generator that yields the share done, or None, every few milliseconds."""
+    """`simplified` as a generator that yields the share done, or None, every few milliseconds.
+
+    Args:
+        mesh: n vertices.
+        vertices: about how many to keep.
+
+    Returns:
+        The simplified mesh, and the parent in it of every vertex of the full one.
+    """
     count = len(mesh.vertices)
     surface = yield from beside(lambda: _joined(mesh))
     yield 0.1
@@ -79,7 +91,7 @@ def _joined(mesh: Mesh) -> HalfEdges:
 
 
 def _without_gaps(mesh: Mesh, surface: HalfEdges) -> Simplified:
-    """What is left of a surface, numbered anew."""
+    """The remaining surface, numbered anew."""
     everywhere = np.arange(len(mesh.vertices))
     kept = np.flatnonzero(surface.parents == everywhere)
     if len(kept) == len(everywhere):
