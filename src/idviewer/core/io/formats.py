@@ -19,7 +19,7 @@ from idviewer.core.validation.polygon_soup import PolygonSoup
 
 @dataclass(frozen=True)
 class FileFormat:
-    """What files of one suffix hold.
+    """Contents of files of one suffix.
 
     Attributes:
         suffix: in lower case and with its dot.
@@ -112,7 +112,7 @@ def format_of(path: Path) -> FileFormat | None:
 
 
 def why_unreadable(path: Path, dimension: int | None = None) -> str:
-    """What is wrong with a file's suffix, and what to do; empty if there is a reader.
+    """The fault of a file's suffix, and what to do; empty if there is a reader.
 
     Args:
         path: of the file.

@@ -36,7 +36,14 @@ _HARMLESS = (
 
 
 def read_glb(data: bytes) -> PolygonSoup:
-    """Polygons of a GLB file."""
+    """Read the polygons of a GLB file.
+
+    Args:
+        data: of the file.
+
+    Raises:
+        UnreadableError: it is no whole, consistent GLB file of version 2, or needs what is not supported.
+    """
     if data[:4] != b"glTF" or len(data) < 12:
         raise UnreadableError("it does not begin with glTF")
     version, length = struct.unpack_from("<II", data, 4)
@@ -58,7 +65,15 @@ def read_glb(data: bytes) -> PolygonSoup:
 
 
 def read_gltf(data: bytes, folder: Path | None = None) -> PolygonSoup:
-    """Polygons of a glTF file; its buffers are looked for in `folder` and below, nowhere else."""
+    """Read the polygons of a glTF file.
+
+    Args:
+        data: of the file.
+        folder: its buffers are looked for there and below, nowhere else; None where there is none.
+
+    Raises:
+        UnreadableError: it is no whole, consistent glTF file of version 2, or needs what is not supported.
+    """
     return _Document(_json(data), None, folder).polygons()
 
 

@@ -13,7 +13,13 @@ _FACE = (b"f ", b"f\t")
 
 
 def read_obj(data: bytes) -> PolygonSoup:
-    r"""Polygons of an OBJ file, of all its objects and groups together.
+    r"""Read the polygons of an OBJ file, of all its objects and groups together.
+
+    Args:
+        data: of the file.
+
+    Raises:
+        UnreadableError: it holds no vertices, one of fewer than three coordinates, or half a line.
 
     >>> read_obj(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").corners.tolist()
     [0, 1, 2]

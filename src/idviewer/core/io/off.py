@@ -14,7 +14,13 @@ _HEADER = re.compile(rb"\s*(ST)?(C)?(N)?(4)?(n)?OFF\b\s*(BINARY\b)?(.*)", re.DOT
 
 
 def read_off(data: bytes) -> PolygonSoup:
-    r"""Polygons of an OFF file. Normals, colours and texture coordinates are passed over.
+    r"""Read the polygons of an OFF file. Normals, colours and texture coordinates are passed over.
+
+    Args:
+        data: of the file.
+
+    Raises:
+        UnreadableError: its header is not OFF's, or it does not hold what its header promises.
 
     >>> read_off(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").corners.tolist()
     [0, 1, 2]

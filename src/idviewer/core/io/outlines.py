@@ -17,7 +17,16 @@ _HEADING = re.compile(r"(?!(nan|inf|infinity)$)[^\W\d]|\"", re.IGNORECASE)
 
 
 def read_csv(data: bytes) -> list[Floats]:
-    r"""Loops of a CSV file: x,y a line; blank lines or lines of nan between loops; a header is passed over.
+    r"""Read the loops of a CSV file: x,y a line; loops apart by blank lines or nan; a header is passed over.
+
+    Args:
+        data: of the file.
+
+    Returns:
+        (k, 2) points of each loop.
+
+    Raises:
+        UnreadableError: a line does not hold two finite numbers, or there are no points.
 
     >>> [loop.tolist() for loop in read_csv(b"x,y\n0,0\n1,0\n0,1\n")]
     [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]
@@ -42,7 +51,16 @@ def read_csv(data: bytes) -> list[Floats]:
 
 
 def read_json(data: bytes) -> list[Floats]:
-    """Loops of a JSON file: [[x, y], ...], {"outer": ..., "holes": [...]}, or GeoJSON with a Polygon.
+    """Read the loops of JSON: [[x, y], ...], {"outer": ..., "holes": [...]}, or GeoJSON with a Polygon.
+
+    Args:
+        data: of the file.
+
+    Returns:
+        (k, 2) points of each loop.
+
+    Raises:
+        UnreadableError: it is no JSON, or holds none of these.
 
     >>> [len(loop) for loop in read_json(b'{"outer": [[0, 0], [1, 0], [0, 1]], "holes": []}')]
     [3]
@@ -57,7 +75,16 @@ def read_json(data: bytes) -> list[Floats]:
 
 
 def read_wkt(data: bytes) -> list[Floats]:
-    """Loops of a file with well-known text: a POLYGON, or a MULTIPOLYGON of one part, without heights.
+    """Read the loops of well-known text: a POLYGON, or a MULTIPOLYGON of one part, without heights.
+
+    Args:
+        data: of the file.
+
+    Returns:
+        (k, 2) points of each loop.
+
+    Raises:
+        UnreadableError: it is no well-known text, or no single polygon.
 
     >>> [loop.tolist() for loop in read_wkt(b"POLYGON ((0 0, 1 0, 0 1, 0 0))")]
     [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]

@@ -63,7 +63,14 @@ class Element:
 
 
 def read_ply(data: bytes) -> PolygonSoup:
-    """Polygons of a PLY file: its elements vertex, face and tristrips."""
+    """Read the polygons of a PLY file: its elements vertex, face and tristrips.
+
+    Args:
+        data: of the file, text or binary in either byte order.
+
+    Raises:
+        UnreadableError: its header means nothing, or what follows is not what its header announces.
+    """
     order, elements, body = _header(data)
     if order == "":
         body = _as_binary(elements, body)
@@ -180,7 +187,7 @@ def _records(element: Element, body: bytes, place: int, order: str) -> tuple[dic
 def _walk(
     element: Element, body: bytes, place: int, order: str, count: int
 ) -> tuple[list[Ints], list[Ints], int]:
-    """Where the values of every property begin, and how many there are, in `count` records; and their end."""
+    """Offsets and counts of the values of every property in `count` records; and where these end."""
     kinds = [
         (np.dtype(p.values).itemsize, struct.Struct(order + _CODES[p.length]) if p.length else None)
         for p in element.properties

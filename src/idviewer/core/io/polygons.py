@@ -86,6 +86,10 @@ def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
 
     It is written beside the file and then renamed, so that the file is there as a whole or not at all.
 
+    Args:
+        polygon: n vertices.
+        path: of the file, which is replaced where there is one.
+
     Raises:
         PolygonError: another suffix.
         OSError: the file cannot be written.

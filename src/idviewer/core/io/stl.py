@@ -17,7 +17,14 @@ _NUMBER_PLACES = [place for place in range(7, 20) if _FACET[place] == b"."]
 
 
 def read_stl(data: bytes) -> PolygonSoup:
-    """Triangles of an STL file, of all its solids together."""
+    """Read the triangles of an STL file, text or binary, of all its solids together.
+
+    Args:
+        data: of the file.
+
+    Raises:
+        UnreadableError: it is truncated, or does not hold as many triangles as it announces.
+    """
     announced = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     if len(data) == 84 + announced * _TRIANGLE.itemsize:
         points = np.frombuffer(data, _TRIANGLE, offset=84)["points"].astype(np.float64)

@@ -19,7 +19,7 @@ from idviewer.core.io.text import UnreadableError
 
 @dataclass(frozen=True)
 class CurveFlattening:
-    """How curves become chords.
+    """Settings by which curves become chords.
 
     Attributes:
         tolerance: chords stay nearer to their curve than this share of the outline's diagonal.
@@ -34,11 +34,17 @@ FLATTENING = CurveFlattening()
 
 
 def read_svg(data: bytes, element: str | None = None) -> list[Floats]:
-    """Loops of the first path (or else the first other shape) of a drawing, y pointing up.
+    """Read the loops of the first path (or else the first other shape) of a drawing, y pointing up.
 
     Args:
         data: of the file.
         element: id of the element to take instead.
+
+    Returns:
+        (k, 2) points of each loop.
+
+    Raises:
+        UnreadableError: it is no drawing, has no such element, or its outline is empty or not finite.
 
     >>> [loop.tolist() for loop in read_svg(b'<svg><path d="M0 0H1V1z"/></svg>')]
     [[[0.0, -0.0], [1.0, -0.0], [1.0, -1.0]]]
@@ -113,7 +119,7 @@ def _flattened(segment: svgelements.PathSegment, tolerance: float) -> Floats:
 
 
 def _chords(segment: svgelements.PathSegment, tolerance: float) -> int:
-    """How many chords keep within a tolerance of a curve."""
+    """Count the chords that keep within a tolerance of a curve."""
     if tolerance == 0.0:
         return 1
     if isinstance(segment, svgelements.Arc):

@@ -18,11 +18,14 @@ Tokens = Sequence[bytes]
 
 
 class UnreadableError(ValueError):
-    """What is wrong with the file, in words for its owner."""
+    """A file that cannot be read; the message tells its owner what is wrong with it."""
 
 
 def floats(tokens: Tokens) -> Floats:
-    """Numbers from text. Raises UnreadableError that names the first token that is none.
+    """Convert tokens to float64.
+
+    Raises:
+        UnreadableError: a token is no number; the message names the first.
 
     >>> floats([b"1", b"2.5"]).tolist()
     [1.0, 2.5]
@@ -34,7 +37,10 @@ def floats(tokens: Tokens) -> Floats:
 
 
 def integers(tokens: Tokens) -> Ints:
-    """Whole numbers from text. Raises UnreadableError that names the first token that is none.
+    """Convert tokens to int64.
+
+    Raises:
+        UnreadableError: a token is no whole number; the message names the first.
 
     >>> integers([b"1", b"2"]).tolist()
     [1, 2]
@@ -55,7 +61,10 @@ def _shown(tokens: Tokens, kind: type[int] | type[float]) -> str:
 
 
 def text_lines(data: bytes) -> list[bytes]:
-    r"""Lines of a text file, without comments (#) and blank ones. Raises UnreadableError if it is no text.
+    r"""Split a text file into lines, without comments (#) and blank ones.
+
+    Raises:
+        UnreadableError: the data is binary.
 
     >>> text_lines(b"OFF # a remark\n\n3 1 0\n")
     [b'OFF ', b'3 1 0']
@@ -71,6 +80,11 @@ def text_lines(data: bytes) -> list[bytes]:
 
 def missing(what: str, promised: int, found: int) -> UnreadableError:
     """The error for a file that does not hold what its header promises.
+
+    Args:
+        what: is missing, in the plural.
+        promised: number of them in the header.
+        found: number of them in the file; where it is no smaller, the file holds more.
 
     >>> str(missing("faces", 4, 3))
     'truncated: it announces 4 faces and holds 3'
