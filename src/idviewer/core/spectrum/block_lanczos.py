@@ -66,12 +66,12 @@ class BlockLanczos:
 
     @property
     def size(self) -> int:
-        """How many vectors the space has."""
+        """The number of vectors of the space."""
         return len(self._projected)
 
     @property
     def remaining_blocks(self) -> int:
-        """How many blocks the space can still hold."""
+        """The number of blocks that the space can still hold."""
         if self.exhausted:
             return 0
         return max(0, (self._known.shape[1] - self._left_out - self.size) // BLOCK - 1)

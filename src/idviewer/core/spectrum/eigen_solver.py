@@ -36,7 +36,7 @@ SMALLEST_KEPT = 1e-6
 
 @dataclass(frozen=True)
 class EigenSolverSettings:
-    """Which shapes are left to which solver, by their numbers of vertices.
+    """Numbers of vertices up to which shapes are left to each solver.
 
     Attributes:
         dense_vertices: up to so many a dense solver is taken, which knows no limit to the modes.

@@ -42,11 +42,11 @@ def graph_positions(matrix: sparse.csc_array) -> Floats:
 
 
 def _hops(graph: sparse.csr_array, sources: Ints) -> Floats:
-    """(n,) the number of edges to the nearest of the sources, one of which is in each component."""
+    """Number of edges (n,) to the nearest of the sources, one of which is in each component."""
     return csgraph.dijkstra(graph, directed=False, indices=sources, unweighted=True, min_only=True)
 
 
 def _last_of_each(values: Floats, component: Ints) -> Ints:
-    """Of each component, the vertex with the largest value."""
+    """The vertex with the largest value, of each component."""
     order = np.lexsort((values, component))
     return order[np.flatnonzero(np.diff(np.append(component[order], -1)))]

@@ -24,7 +24,7 @@ Cutoff = Callable[[float], float]
 
 @dataclass(frozen=True)
 class KrylovSettings:
-    """When a Krylov space is large enough.
+    """Settings by which a Krylov space is large enough.
 
     Attributes:
         residual: relative, that every pair is to have; eigenvalues err by its square.
@@ -134,7 +134,7 @@ def _complete(below: NDArray[np.bool_], residuals: Floats, kept: int, negative: 
 
 
 def _first_blocks(interior: bool, expected: float) -> int:
-    """How large a Krylov space is to be before its end is looked for."""
+    """Size of a Krylov space, in blocks, before its end is looked for."""
     if not math.isfinite(expected):
         return KRYLOV.first_blocks
     vectors = KRYLOV.interior_vectors if interior else KRYLOV.exterior_vectors
@@ -142,7 +142,7 @@ def _first_blocks(interior: bool, expected: float) -> int:
 
 
 def _more_blocks(size: int, goal: int, worst: float) -> int:
-    """How far to go on before the worst residual is looked at again, which costs as much as a block.
+    """Number of blocks before the worst residual is looked at again, which costs as much as a block.
 
     One is seen too late rather than too early, for each is to be made orthogonal to all others.
     """

@@ -48,7 +48,16 @@ class LDLFactorization:
     def steps(
         cls, matrix: sparse.csc_array, points: Floats, definite: bool = True
     ) -> Generator[None, None, LDLFactorization]:
-        """The constructor as a generator; SuperLU's factorisation is a single step of it."""
+        """The constructor as a generator; SuperLU's factorisation is a single step of it.
+
+        Args:
+            matrix: (n, n) symmetric.
+            points: (n, d) where the unknowns are.
+            definite: the matrix has to be positive definite.
+
+        Raises:
+            numpy.linalg.LinAlgError: the matrix is singular, or not definite, in floating point.
+        """
         made = cls.__new__(cls)
         yield from made._make(matrix, points, definite)
         return made

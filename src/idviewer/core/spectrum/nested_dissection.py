@@ -15,7 +15,7 @@ LEAST_PART_SIZE = 24
 """Parts of about so many vertices are not cut any more."""
 
 MOST_OFF_CENTRE = 0.15
-"""How far from the middle a part may be cut, as a share of its vertices."""
+"""Largest distance of a cut from the middle of a part, as a share of its vertices."""
 
 SEPARATOR = 2
 
@@ -44,7 +44,12 @@ def dissect(points: Floats, edges: Ints) -> tuple[Ints, NDArray[np.int8]]:
 
 
 def dissection_steps(points: Floats, edges: Ints) -> Generator[None, None, tuple[Ints, NDArray[np.int8]]]:
-    """`dissect` as a generator."""
+    """`dissect` as a generator.
+
+    Args:
+        points: (n, d).
+        edges: (e, 2) pairs of neighbours.
+    """
     count = len(points)
     levels = max(1, math.ceil(math.log2(max(count, 2) / LEAST_PART_SIZE)))
     halves = np.zeros((count, levels), dtype=np.int8)
@@ -65,7 +70,7 @@ def dissection_steps(points: Floats, edges: Ints) -> Generator[None, None, tuple
 
 
 def _halves(points: Floats, part: Ints, parts: int, edges: Ints) -> NDArray[np.bool_]:
-    """Which half of its part each point (p, d) is in, cut across the part's longest principal axis."""
+    """Tell which half of its part each point (p, d) is in, cut across the part's longest principal axis."""
     counts = np.bincount(part, minlength=parts)
     order = np.lexsort((_along(points, part, counts), part))
     firsts = np.cumsum(counts) - counts
@@ -76,7 +81,7 @@ def _halves(points: Floats, part: Ints, parts: int, edges: Ints) -> NDArray[np.b
 
 
 def _along(points: Floats, part: Ints, counts: Ints) -> Floats:
-    """Where each point (p, d) is along the longest principal axis of its part."""
+    """Positions of points (p, d) along the longest principal axis of their part."""
     share = 1.0 / np.maximum(counts, 1)
     parts, dimension = len(counts), points.shape[1]
     middle = np.stack(
@@ -92,7 +97,7 @@ def _along(points: Floats, part: Ints, counts: Ints) -> Floats:
 
 
 def _thinnest(edges: Ints, part: Ints, counts: Ints, firsts: Ints) -> Ints:
-    """Where each part is cut: near its middle, where the fewest edges go across.
+    """Place of the cut of each part: near its middle, where the fewest edges go across.
 
     Args:
         edges: (e, 2) places of neighbours in one part.
@@ -117,7 +122,7 @@ def _thinnest(edges: Ints, part: Ints, counts: Ints, firsts: Ints) -> Ints:
 
 
 def _separator(edges: Ints, half: NDArray[np.int8], part: Ints, parts: int) -> Ints:
-    """Of each part, the ends of cut edges on the side that has fewer of them."""
+    """The ends of each part's cut edges on the side that has fewer of them."""
     cut = edges[half[edges[:, 0]] != half[edges[:, 1]]]
     turned = half[cut[:, 0]] == 1
     sides = [np.unique(np.where(turned, cut[:, 1 - k], cut[:, k])) for k in range(2)]

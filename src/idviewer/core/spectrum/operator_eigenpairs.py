@@ -28,7 +28,7 @@ from idviewer.core.steps import finish
 
 @dataclass(frozen=True)
 class OperatorSettings:
-    """When an eigenvalue is zero, and which solver is taken.
+    """Settings: the bound below which an eigenvalue is zero, and the choice of the solver.
 
     Attributes:
         dense_unknowns: up to so many, or where k is over a third of them, the solver is a dense one.
@@ -130,7 +130,7 @@ def operator_pairs(
 
 
 def _constants(laplacian: sparse.csc_array, roots: Floats) -> Floats:
-    """(n, d) orthonormal: the function that is constant on a component, of each on which L maps it to 0."""
+    """Orthonormal (n, d): the constant of each component on which L maps it to 0, times the roots."""
     count, component = csgraph.connected_components(laplacian, directed=False)
     sums, sizes = laplacian.sum(axis=1), abs(laplacian).sum(axis=1)
     vanishing = np.bincount(component, np.abs(sums) > OPERATOR.null_share * sizes, count) == 0
@@ -268,7 +268,7 @@ class _LowestPairs:
         self._vectors = np.concatenate([self._vectors, vectors[:, ~zero]], axis=1)[:, order]
 
     def _missing_below(self, k: int) -> int:
-        """How many eigenvalues below the k-th found have not been found, by the inertia."""
+        """Count the eigenvalues below the k-th found that have not been found, by the inertia."""
         for step in (1.0, 2.0, 3.0):
             bound = float(self._values[k - 1]) * (1.0 - step * 1e-6)
             try:

@@ -27,6 +27,11 @@ def low_pairs(
     -1/2 times the resistances, freed of constants. The low eigenvalues are then the large ones, and exact to
     rounding also where two vertices almost meet; in L itself they would drown in 1 / d.
 
+    Args:
+        polygon: n vertices.
+        masses: (n,) diagonal of M, lengths.
+        cutoff: from lambda_2, the first non-zero eigenvalue, to the largest that counts.
+
     Returns:
         values (k,) ascending, vectors (n, k) with vectors^T M vectors = 1, and the bound below which none
         is missing, infinite if there are no others.
