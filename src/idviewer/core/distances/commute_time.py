@@ -34,7 +34,13 @@ class CommuteTime(Distance):
     Pairs of points, fields and the potential take one sparse solve a point, on shapes of any size. Slices
     are sampled from a dense embedding of full rank, which only shapes of up to 4,000 vertices have; beyond,
     `GPS` is the truncated form. The expected length of a random walk there and back is d^2 times the sum of
-    all degrees of the graph (Yen et al. 2007). Source: Rustamov et al. 2009, section 4 (class 2).
+    all degrees of the graph (Yen et al. 2007). Source: Rustamov et al. 2009, section 4 (class 2), eq. 2 with
+    A = L^+.
+
+    >>> from idviewer.core import InteriorDistance, Polygon
+    >>> square = InteriorDistance(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]]), CommuteTime())
+    >>> (square.distance([[0, 0]], [[1, 0], [1, 1]]) ** 2).round(12).tolist()
+    [0.75, 1.0]
     """
 
     name: ClassVar[str] = "commute"
@@ -42,7 +48,15 @@ class CommuteTime(Distance):
     menu_order: ClassVar[int] = 15
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
-        """Rows of the inverse Cholesky factor of the Laplacian."""
+        """Rows of the inverse Cholesky factor of the grounded Laplacian, (n, n - 1), as a generator.
+
+        Args:
+            shape: n vertices.
+            spectrum: not used.
+
+        Raises:
+            DistanceError: the shape has more vertices than a dense embedding may.
+        """
         check_size(
             shape,
             COMMUTE_TIME_SETTINGS.largest_embedding,
@@ -52,5 +66,5 @@ class CommuteTime(Distance):
         return Basis((yield from commute_embedding_steps(shape)))
 
     def form(self, shape: Shape) -> EffectiveResistance:
-        """Sparse solves."""
+        """The quadratic form z^T L^+ z of a shape's Laplacian L, by sparse solves."""
         return EffectiveResistance(shape)

@@ -46,15 +46,25 @@ class Diffusion(Spectral):
         return paper if self.time is None else max(paper, -math.log(SMALLEST_KEPT) / self.time)
 
     def transfer_function(self, eigenvalues: Floats) -> Floats:
-        """exp(-lambda t)."""
+        """The heat kernel's factors exp(-lambda t) of eigenvalues (k,).
+
+        Source: Rustamov, Lipman and Funkhouser 2009, appendix.
+
+        >>> Diffusion(time=1.0).transfer_function(np.array([0.0, 1.0])).round(3).tolist()
+        [1.0, 0.368]
+        """
         return np.exp(-eigenvalues * self.resolved_time(float(eigenvalues[0])))
 
     def resolved_time(self, lambda_2: float) -> float:
-        """The time t that is used, in the shape's unit squared."""
+        """The time t that is used, in the shape's unit squared; by default the paper's, 1 / (8 lambda_2).
+
+        >>> Diffusion().resolved_time(2.0), Diffusion(time=3.0).resolved_time(2.0)
+        (0.0625, 3.0)
+        """
         return paper_time(lambda_2) if self.time is None else self.time
 
     def describe(self, spectrum: Spectrum | None) -> str:
-        """Such as "Diffusion distance, t = 0.0123"; says so where the time asks for further modes."""
+        """Title and time, such as "Diffusion distance, t = 0.0123"; says so where it asks for more modes."""
         known = require_spectrum(spectrum)
         lambda_2 = float(known.values[0])
         time = self.resolved_time(lambda_2)

@@ -17,6 +17,11 @@ class Euclidean(Distance):
     """Straight-line distance: the vertices are their own embedding, so the interior reproduces |p - q|.
 
     A check of the whole chain, and the distance to compare with. Source: Rustamov et al. 2009, section 5.
+
+    >>> from idviewer.core import interior_distance
+    >>> square = [[0, 0], [4, 0], [4, 4], [0, 4]]
+    >>> interior_distance(square, [[1, 1]], [[1, 3]], Euclidean()).round(12).tolist()
+    [2.0]
     """
 
     name: ClassVar[str] = "euclidean"
@@ -24,5 +29,10 @@ class Euclidean(Distance):
     menu_order: ClassVar[int] = 80
 
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
-        """The vertices, about the middle of the bounding box to keep their digits."""
+        """The vertices (n, dimension), about the middle of the bounding box to keep their digits.
+
+        Args:
+            shape: n vertices.
+            spectrum: not used.
+        """
         return shape.vertices - shape.bounds.mean(axis=0)

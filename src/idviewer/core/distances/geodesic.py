@@ -19,7 +19,7 @@ from idviewer.core.steps import map_steps
 
 @dataclass(frozen=True)
 class LandmarkSettings:
-    """How many landmarks there are where nobody says so, and what is kept of their embedding.
+    """Default numbers of landmarks, and the part of their embedding that is kept.
 
     Attributes:
         all_pairs_up_to: vertices of the shapes of which all pairs are taken.
@@ -72,7 +72,14 @@ class Geodesic(Distance):
     method: str = field(default="heat", metadata={"parameter": METHOD})
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
-        """Landmarks, the distances to them, and their embedding by landmark MDS.
+        """Landmarks, the distances to them, and their embedding by landmark MDS, as a generator.
+
+        Args:
+            shape: n vertices.
+            spectrum: not used.
+
+        Returns:
+            A basis (n, k), and a remark on how many landmarks there are and how much is left out.
 
         Raises:
             DistanceError: the method's package is not installed, or the method fails on this shape.

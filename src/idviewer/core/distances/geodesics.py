@@ -74,7 +74,14 @@ class Geodesics:
 
 
 def heat_solver(vertices: Floats, faces: Ints) -> Solve:
-    """The heat method on vertices (n, 3) and faces (m, 3)."""
+    """Prepare the heat method: two sparse factorizations, after which each vertex takes two solves.
+
+    Source: Crane, Weischedel and Wardetzky 2013, "Geodesics in heat".
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
+    """
     from potpourri3d import MeshHeatMethodDistanceSolver
 
     solver = MeshHeatMethodDistanceSolver(vertices, np.array(faces))
@@ -82,7 +89,13 @@ def heat_solver(vertices: Floats, faces: Ints) -> Solve:
 
 
 def exact_solver(vertices: Floats, faces: Ints) -> Solve:
-    """Windows propagated over vertices (n, 3) and faces (m, 3).
+    """Prepare exact geodesics by windows propagated over the surface.
+
+    Source: Mitchell, Mount and Papadimitriou 1987, "The discrete geodesic problem".
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
 
     Raises:
         DistanceError: the extra is not installed.
@@ -103,6 +116,10 @@ def edge_path_solver(vertices: Floats, polygon: Polygon) -> Solve:
     Args:
         vertices: (n, 2) the polygon's, in any unit.
         polygon: whose edges and bridges they are.
+
+    >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> edge_path_solver(square.vertices, square)(0).tolist()
+    [0.0, 1.0, 2.0, 1.0]
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra

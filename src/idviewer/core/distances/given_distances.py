@@ -72,7 +72,7 @@ class GivenDistances(Distance):
         return self.name, self.matrix, self.fit
 
     def squares(self, shape: Shape) -> Floats:
-        """(n, n) squared distances.
+        """Squared distances (n, n), made symmetric.
 
         Raises:
             DistanceError: the matrix holds no distances between this shape's vertices.
@@ -83,7 +83,16 @@ class GivenDistances(Distance):
         return np.square(0.5 * (matrix + matrix.T))
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
-        """The embedding of the distances."""
+        """The embedding of the distances by classical MDS, (n, k), as a generator.
+
+        Args:
+            shape: n vertices.
+            spectrum: not used.
+
+        Raises:
+            DistanceError: the shape is too large for a matrix, the matrix holds no distances between its
+                vertices, or they do not embed and `fit` is "exact".
+        """
         check_size(shape, LARGEST_MATRIX, "a matrix of distances", "take a shape of fewer vertices")
         yield 0.0
         scaled = yield from classical_mds_steps(self.squares(shape))
@@ -98,19 +107,23 @@ class GivenDistances(Distance):
         return Basis(scaled.embedding)
 
     def describe(self, spectrum: Spectrum | None) -> str:
-        """With the file's name."""
+        """The title with the file's name."""
         return f"{self.title} {Path(self.matrix).name if isinstance(self.matrix, str) else self.matrix}"
 
 
 def check_distances(matrix: Floats, where: str) -> None:
-    """Refuse a matrix (n, n) that is not square, symmetric, zero on the diagonal and nowhere negative.
+    """Refuse a matrix that is not square, symmetric, zero on the diagonal and nowhere negative.
 
     Args:
-        matrix: finite numbers.
+        matrix: (n, n) finite numbers.
         where: the file or what else it is, for the error.
 
     Raises:
         DistanceError: it names the row and the column that are wrong.
+
+    >>> check_distances(np.array([[0.0, -1.0], [-1.0, 0.0]]), "d.npy")
+    Traceback (most recent call last):
+    idviewer.core.errors.DistanceError: d.npy: the distance in row 0, column 1 is negative (-1)
     """
     if matrix.shape[1] != len(matrix):
         raise DistanceError(

@@ -50,11 +50,20 @@ class GivenEmbedding(Distance):
         return self.name, self.embedding
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
-        """The rows, about their mean to keep their digits."""
+        """The rows (n, k), about their mean to keep their digits, as a generator.
+
+        Args:
+            shape: n vertices.
+            spectrum: not used.
+
+        Raises:
+            DistanceError: no file is named, or it holds no finite matrix with a row for each vertex.
+            OSError: the file cannot be read.
+        """
         yield 0.0
         rows = matrix_of(self.embedding, len(shape.vertices), "embedding")
         return Basis(np.ascontiguousarray(rows - rows.mean(axis=0)))
 
     def describe(self, spectrum: Spectrum | None) -> str:
-        """With the file's name."""
+        """The title with the file's name."""
         return f"{self.title} {self.embedding}"

@@ -39,7 +39,7 @@ class Extra:
 
     @property
     def remedy(self) -> str:
-        """What is missing and the command that installs it, as the end of a sentence."""
+        """The missing package and the command that installs it, as the end of a sentence."""
         return f"needs the package {self.package}: pip install 'idviewer[{self.name}]'"
 
 
@@ -111,14 +111,14 @@ class Number(Parameter):
         return "a positive number"
 
     def parse(self, text: str) -> float:
-        """A number."""
+        """The text as a float. Raises: ValueError where it is no number."""
         try:
             return float(text)
         except ValueError:
             raise ValueError(f"{text!r} is not a number") from None
 
     def check(self, value: Any) -> float:
-        """A finite number above 0, of Python's or NumPy's, as a float."""
+        """The value as a float, a Python or NumPy number. Raises: ValueError unless finite and above 0."""
         try:
             number = float(value) if _is_number(value, numbers.Real) else math.nan
         except OverflowError:
@@ -152,14 +152,14 @@ class Integer(Parameter):
         return f"{self.lowest} to {self.highest}"
 
     def parse(self, text: str) -> int:
-        """A whole number."""
+        """The text as an int. Raises: ValueError where it is no whole number."""
         try:
             return int(text)
         except ValueError:
             raise ValueError(f"{text!r} is not a whole number") from None
 
     def check(self, value: Any) -> int:
-        """A whole number in the range, of Python's or NumPy's, as an int."""
+        """The value as an int, of Python's or NumPy's. Raises: ValueError where it is none in the range."""
         if _is_number(value, numbers.Integral) and self.lowest <= value <= self.highest:
             return int(value)
         raise ValueError(_refusal(f"a whole number from {self.domain}", value))
@@ -206,7 +206,7 @@ class Choice(Parameter):
         return {word: extra for word, extra in self.extras if not extra.installed}
 
     def check(self, value: Any) -> str:
-        """One of the words."""
+        """The value as one of the words. Raises: ValueError where it is none of them."""
         words = [word for word, _ in self.choices]
         if isinstance(value, str) and value in words:
             return str(value)
@@ -238,7 +238,7 @@ class File(Parameter):
         return f"a {self.suffix} file with {self.content}"
 
     def check(self, value: Any) -> str | ArrayInput:
-        """A path as text, or an array behind its identity; what is in it is looked at only when needed."""
+        """A path as text, or an array behind its identity, not read yet. Raises: ValueError for others."""
         try:
             found = as_array_input(value)
         except ValueError:  # rows of different lengths
@@ -268,7 +268,7 @@ class Formula(Parameter):
         return f"an expression such as {self.example}"
 
     def check(self, value: Any) -> Any:
-        """A text or a function."""
+        """The value, a text or a function. Raises: ValueError for all else."""
         if isinstance(value, str) or callable(value):
             return value
         raise ValueError(_refusal(f"{self.domain}, or a function", value))

@@ -22,11 +22,11 @@ Registered = TypeVar("Registered", bound="type[Distance]")
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """What is sampled inside.
+    """Columns that are sampled inside, one row a vertex.
 
     Attributes:
         columns: (n, k) one row a vertex; times the distance's scale it is the embedding.
-        remark: what there is to say about it, such as what it leaves out; for a scale bar.
+        remark: a note for the scale bar, such as the part that was left out.
     """
 
     columns: Floats
@@ -82,11 +82,27 @@ class Distance(metaclass=CheckedParameters):
         return 0.0
 
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
-        """(n, k) one row a vertex."""
+        """The basis (n, k), one row a vertex; times `scale` it is the embedding.
+
+        Args:
+            shape: n vertices.
+            spectrum: its eigenpairs; None for a distance that is not spectral.
+
+        Raises:
+            DistanceError: the distance cannot be computed on this shape.
+        """
         return finish(self.basis_steps(shape, spectrum)).columns
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
-        """`basis` as a generator that yields the share done, or None, every few milliseconds."""
+        """`basis` as a generator that yields the share done, or None, every few milliseconds.
+
+        Args:
+            shape: n vertices.
+            spectrum: its eigenpairs; None for a distance that is not spectral.
+
+        Returns:
+            The columns of `basis`, and a remark on them.
+        """
         yield from ()  # nothing to wait for
         return Basis(self.basis(shape, spectrum))
 
@@ -96,7 +112,7 @@ class Distance(metaclass=CheckedParameters):
         return self
 
     def scale(self, spectrum: Spectrum | None) -> Floats:
-        """(k,) factor of each column, or (1,) for all of them."""
+        """Factors (k,) of the columns, or (1,) for all of them; `spectrum` is that of the basis."""
         return np.ones(1)
 
     def describe(self, spectrum: Spectrum | None) -> str:
@@ -104,11 +120,11 @@ class Distance(metaclass=CheckedParameters):
         return self.title
 
     def form(self, shape: Shape) -> QuadraticForm | None:
-        """The way past an embedding, where there is one; it serves pairs and fields of points."""
+        """The quadratic form, where there is one; pairs and fields of points then need no embedding."""
         return None
 
     def squares(self, shape: Shape) -> Floats | None:
-        """(n, n) squared distances between the vertices, where they are given rather than computed."""
+        """Squared distances (n, n) between the vertices, where they are given rather than computed."""
         return None
 
 
@@ -145,7 +161,7 @@ def register_distance(kind: Registered) -> Registered:
 
 
 def check_dimension(kind: Distance, shape: Shape) -> None:
-    """Refuse a shape in whose dimension the distance does not work.
+    """Refuse a shape in whose dimension a kind of distance does not work.
 
     Raises:
         DistanceError: it does not.

@@ -20,11 +20,19 @@ class Spectral(Distance):
     spectral: ClassVar[bool] = True
 
     def cutoff(self, lambda_2: float) -> float:
-        """The paper's, 110.5 lambda_2."""
+        """The paper's bound of the eigenvalues, 110.5 lambda_2; source: Rustamov et al. 2009, appendix."""
         return paper_cutoff(lambda_2)
 
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
-        """The eigenvectors."""
+        """The eigenvectors (n, k), which all spectral distances share.
+
+        Args:
+            shape: n vertices; not used.
+            spectrum: its eigenpairs.
+
+        Raises:
+            ValueError: there are none.
+        """
         return require_spectrum(spectrum).vectors
 
     def transfer_function(self, eigenvalues: Floats) -> Floats:
@@ -39,16 +47,23 @@ class Spectral(Distance):
         raise NotImplementedError
 
     def scale(self, spectrum: Spectrum | None) -> Floats:
-        """(k,) f(lambda)."""
+        """Factors f(lambda_k) of the eigenvectors, (k,).
+
+        Args:
+            spectrum: the shape's eigenpairs.
+
+        Raises:
+            ValueError: there are none.
+        """
         return self.transfer_function(require_spectrum(spectrum).values)
 
     @property
     def basis_key(self) -> Hashable:
-        """One for all."""
+        """The same key for all spectral distances."""
         return "eigenvectors"
 
     def describe(self, spectrum: Spectrum | None) -> str:
-        """Such as "Biharmonic distance, 76 modes"."""
+        """Title and number of modes, such as "Biharmonic distance, 76 modes"."""
         count = len(require_spectrum(spectrum).values)
         return f"{self.title}, {count} mode{'s' if count > 1 else ''}"
 
@@ -59,7 +74,13 @@ class PowerOfEigenvalues(Spectral):
     exponent: ClassVar[float]
 
     def transfer_function(self, eigenvalues: Floats) -> Floats:
-        """lambda^exponent."""
+        """The factors lambda^exponent of eigenvalues (k,).
+
+        >>> import numpy as np
+        >>> from idviewer.core import Biharmonic
+        >>> Biharmonic().transfer_function(np.array([2.0, 4.0])).tolist()
+        [0.5, 0.25]
+        """
         return eigenvalues**self.exponent
 
 

@@ -55,10 +55,13 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
             Expression(self.filter)
 
     def transfer_function(self, eigenvalues: Floats) -> Floats:
-        """f(lambda).
+        """The factors f(lambda) of eigenvalues (k,).
 
         Raises:
             DistanceError: f is negative, infinite or NaN at an eigenvalue, zero at all, or of another shape.
+
+        >>> SpectralFilter("1 / (1 + lambda)").transfer_function(np.array([1.0, 3.0])).tolist()
+        [0.5, 0.25]
         """
         return self._check_weights(self._at(eigenvalues, float(eigenvalues[0])), eigenvalues)
 
@@ -90,7 +93,7 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
         return f"the filter {getattr(self.filter, '__name__', self.filter)}"
 
     def describe(self, spectrum: Spectrum | None) -> str:
-        """Such as "Spectral filter 1 / lambda, 76 modes; modes left out weigh up to 0.9%"."""
+        """Title, filter and number of modes; and how much the first mode left out weighs."""
         known = require_spectrum(spectrum)
         shown = self._subject.removeprefix("the filter ")
         words = f"{self.title} {shown}, {len(known.values)} modes"
