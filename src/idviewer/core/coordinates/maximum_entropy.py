@@ -18,7 +18,7 @@ from idviewer.core.shapes.shape import ShapeLike
 
 @dataclass(frozen=True)
 class MaximumEntropySettings:
-    """When maximum entropy coordinates count as found.
+    """Convergence criterion of maximum entropy coordinates.
 
     Attributes:
         largest_residual: of weights that are given out, the largest |sum w_i v_i - p| in diagonals of the
@@ -131,6 +131,10 @@ def face_constants(positions: Floats, faces: Ints) -> Floats:
 
     The plane's normal and height; for each edge the plane across it in which the signed area of a projected
     triangle is linear, by normal and height; |e|^2 / 4 of each edge; and the area.
+
+    >>> corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    >>> face_constants(corners, np.array([[0, 1, 2]]))[[2, -1], 0].tolist()
+    [1.0, 0.5]
     """
     corners = positions[faces]
     sides = np.roll(corners, -1, axis=1) - corners

@@ -17,7 +17,14 @@ from idviewer.core.shapes.shape import Shape, ShapeLike
 
 
 def mean_value_on(shape: Shape) -> MeshMeanValue | PolygonMeanValue:
-    """The evaluator for a shape; it knows, too, which points are inside and on the boundary."""
+    """The evaluator for a shape; it knows, too, which points are inside and on the boundary.
+
+    >>> import numpy as np
+    >>> from idviewer.core import Polygon
+    >>> square = mean_value_on(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]]))
+    >>> square.classify(np.array([[0.5, 0.5], [0.5, 0.0], [2.0, 0.0]]))[:2]
+    (array([0]), array([1]))
+    """
     return MeshMeanValue(cast(Mesh, shape)) if shape.dimension == 3 else PolygonMeanValue(shape)
 
 
@@ -67,7 +74,12 @@ class MeanValueCoordinates(Coordinates):
         return (yield from super()._interpolate_steps(points, values))
 
     def approximation(self, values: Floats, weights: Floats) -> Approximation | None:
-        """Values (n, k) ready to be carried inside a mesh within a tolerance; see `Approximation`."""
+        """Prepare to carry values inside a mesh within a tolerance; None for a polygon. See `Approximation`.
+
+        Args:
+            values: (n, k) at the vertices.
+            weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
+        """
         return self._on.approximation(values, weights) if isinstance(self._on, MeshMeanValue) else None
 
 

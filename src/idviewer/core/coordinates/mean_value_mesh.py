@@ -31,6 +31,11 @@ class MeshMeanValue(Boundary):
 
     Args:
         mesh: n vertices.
+
+    >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> MeshMeanValue(tetrahedron).weights([[0.25, 0.25, 0.25]]).round(12).tolist()
+    [[0.25, 0.25, 0.25, 0.25]]
     """
 
     def __init__(self, mesh: Mesh) -> None:
@@ -62,7 +67,7 @@ class MeshMeanValue(Boundary):
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
-        """Values given at the vertices, carried to points; yields the share done every few milliseconds.
+        """Carry values at the vertices to points; yields the share done every few milliseconds.
 
         Args:
             points: (p, 3).
@@ -160,7 +165,7 @@ class MeshMeanValue(Boundary):
             yield chosen, np.ascontiguousarray(packed)
 
     def classify(self, points: Floats) -> PointClassification:
-        """Which of points (p, 3) are inside, and which on the surface."""
+        """Classify points (p, 3) as inside, on the surface or outside."""
         nothing = np.zeros((1, len(self._surface.vertices), _kernels.LANES))
         inside, on_boundary = np.zeros(len(points), dtype=bool), {}
         for chosen, packed in self._batches(points, len(points)):
@@ -183,5 +188,10 @@ class MeshMeanValue(Boundary):
         return self.normalise(self._mesh.vertices), self._mesh.faces
 
     def approximation(self, values: Floats, weights: Floats) -> Approximation:
-        """Values (n, k) ready to be carried inside within a tolerance; see `Approximation`."""
+        """Prepare to carry values inside within a tolerance; see `Approximation`.
+
+        Args:
+            values: (n, k) at the vertices.
+            weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
+        """
         return Approximation(self, values, weights)

@@ -18,6 +18,11 @@ class PolygonMeanValue(Boundary):
 
     Args:
         polygon: n vertices; edges with the interior on their left.
+
+    >>> from idviewer.core import Polygon
+    >>> square = PolygonMeanValue(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]))
+    >>> square.weights([[2.0, 2.0], [5.0, 2.0]]).round(12).tolist()
+    [[0.25, 0.25, 0.25, 0.25], [nan, nan, nan, nan]]
     """
 
     def __init__(self, polygon: Shape) -> None:
@@ -28,7 +33,7 @@ class PolygonMeanValue(Boundary):
         self._ends = np.ascontiguousarray(vertices[self.elements].reshape(-1, 4).T)
 
     def classify(self, points: Floats) -> PointClassification:
-        """Which of points (p, 2) are inside, and which on an edge."""
+        """Classify points (p, 2) as inside, on an edge or outside."""
         edge, share, winding = classify(self.normalise(points), self._ends, self.tolerance)
         on = np.flatnonzero(edge >= 0)
         shares = np.stack([1.0 - share[on], share[on]], axis=1)
@@ -37,7 +42,14 @@ class PolygonMeanValue(Boundary):
         )
 
     def weights(self, points: ArrayLike) -> Floats:
-        """(p, n) rows that sum to 1 of points (p, 2); NaN for points outside."""
+        """Coordinates of points with respect to every vertex.
+
+        Args:
+            points: (p, 2).
+
+        Returns:
+            (p, n) rows that sum to 1; NaN for points outside.
+        """
         places, classified, result = self.rows(as_points(points, 2))
         mean_value(places, classified.inside, self._vertices, self.elements, self._ends, result)
         return result

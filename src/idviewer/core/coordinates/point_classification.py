@@ -12,13 +12,20 @@ from idviewer.core.shapes.shape import Shape
 
 
 class PointClassification(NamedTuple):
-    """Which of many points are inside and on the boundary; those in neither list are outside.
+    """Points inside and points on the boundary, of many; those in neither list are outside.
 
     Attributes:
         inside: (q,) indices of points inside and off the boundary.
         on: (l,) indices of points on the boundary.
         vertices: (l, dimension) of the edge or face that each of these lies on.
         shares: (l, dimension) of these vertices, which sum to 1.
+
+    >>> from idviewer.core import Polygon
+    >>> from idviewer.core.coordinates.mean_value_polygon import PolygonMeanValue
+    >>> square = PolygonMeanValue(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]))
+    >>> classified = square.classify(np.array([[1.0, 0.0], [2.0, 2.0], [9.0, 9.0]]))
+    >>> classified.inside.tolist(), classified.on.tolist(), classified.shares.tolist()
+    ([1], [0], [[0.75, 0.25]])
     """
 
     inside: Ints

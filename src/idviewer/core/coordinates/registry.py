@@ -22,7 +22,7 @@ NEGATIVITY_WEIGHTS = 1 << 20
 
 
 class Property(Enum):
-    """What weights w_i(p) of a point p may fulfil; v_i are the vertices."""
+    """Properties that weights w_i(p) of a point p may have; v_i are the vertices."""
 
     PARTITION_OF_UNITY = "sum w_i = 1"
     LINEAR_PRECISION = "sum w_i v_i = p"
@@ -73,11 +73,23 @@ class Coordinates:
         self.shape = shape
 
     def weights(self, points: ArrayLike) -> Floats:
-        """(p, n) weights of points (p, dimension) with respect to every vertex; NaN for points outside."""
+        """Weights of points with respect to every vertex.
+
+        Args:
+            points: (p, dimension).
+
+        Returns:
+            (p, n) rows that sum to 1; NaN for points outside.
+
+        >>> from idviewer.core import MeanValueCoordinates, Polygon
+        >>> square = Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])
+        >>> MeanValueCoordinates(square).weights([[2.0, 2.0], [1.0, 0.0]]).round(12).tolist()
+        [[0.25, 0.25, 0.25, 0.25], [0.75, 0.25, 0.0, 0.0]]
+        """
         raise NotImplementedError
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
-        """Values given at the vertices, carried to points; yields the share done every few milliseconds.
+        """Carry values at the vertices to points; yields the share done every few milliseconds.
 
         Args:
             points: (p, dimension).
@@ -85,6 +97,15 @@ class Coordinates:
 
         Returns:
             (p, k), NaN for points outside.
+
+        Raises:
+            ValueError: the points have another dimension.
+
+        >>> from idviewer.core import MeanValueCoordinates, Polygon
+        >>> square = MeanValueCoordinates(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]))
+        >>> heights = np.array([[0.0], [0.0], [8.0], [8.0]])
+        >>> finish(square.interpolate_steps([[1.0, 1.0]], heights)).round(12).tolist()
+        [[2.0]]
         """
         points = as_points(points, self.shape.dimension)
         if values.shape[1] <= LARGEST_WIDTH:
@@ -160,9 +181,16 @@ Kind = TypeVar("Kind", bound=type[Coordinates])
 def register_coordinates(kind: Kind) -> Kind:
     """Enter a kind of coordinates in `COORDINATES`; a class decorator.
 
+    Args:
+        kind: a class that derives from `Coordinates`.
+
     Raises:
         TypeError: the class lacks an attribute that menus or tests need, or its properties are none.
         ValueError: another kind has its name.
+
+    >>> from idviewer.core.coordinates import COORDINATES
+    >>> COORDINATES["mean_value"].title
+    'Mean value coordinates'
     """
     for attribute in ("name", "title", "menu_order", "properties"):
         if not hasattr(kind, attribute):
@@ -192,6 +220,7 @@ def coordinates_of(shape: ShapeLike, name: str) -> Coordinates:
         ValueError: there is no such kind, or it does not work in the shape's dimension.
 
     >>> from idviewer.core import Polygon
+    >>> from idviewer.core.coordinates import coordinates_of
     >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
     >>> coordinates_of(square, "mean_value").weights([[0.5, 0.5]]).round(12).tolist()
     [[0.25, 0.25, 0.25, 0.25]]

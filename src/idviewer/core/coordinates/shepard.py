@@ -85,7 +85,14 @@ class ShepardCoordinates(Coordinates):
 
 
 def boundary_parts(vertices: Floats, elements: NDArray[np.int64]) -> Floats:
-    """Each vertex's part (n,) of the boundary: of edges (e, 2) or faces (m, 3), shared equally.
+    """Each vertex's part (n,) of the boundary, every edge or face shared equally among its vertices.
+
+    Args:
+        vertices: (n, dimension).
+        elements: (e, 2) edges or (m, 3) faces.
+
+    Returns:
+        (n,) the lengths of a vertex's edges, or twice the areas of its faces: only the ratios count.
 
     >>> boundary_parts(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]]), np.array([[0, 1], [1, 2]])).tolist()
     [2.0, 3.0, 1.0]

@@ -16,7 +16,7 @@ from idviewer.core.coordinates.treecode import Treecode
 
 @dataclass(frozen=True)
 class ApproximationSettings:
-    """How an approximation meets its tolerance.
+    """Settings by which an approximation meets its tolerance.
 
     Attributes:
         finest_tolerance: for smaller ones the exact loop over all faces is about as quick, and single
@@ -42,7 +42,7 @@ class ExactCoordinates(Protocol):
 
     @property
     def normalised_mesh(self) -> tuple[Floats, Ints]:
-        """(n, 3) vertices about the bounding box's centre, in its diagonals, and (m, 3) faces."""
+        """Vertices (n, 3) about the bounding box's centre, in its diagonals, and faces (m, 3)."""
 
     def normalise(self, points: Floats) -> Floats:
         """Points (p, 3) about the bounding box's centre, in its diagonals."""
@@ -61,6 +61,15 @@ class Approximation:
         coordinates: of the mesh.
         values: (n, k).
         weights: (k,) an error e (k,) of a point's values is measured as |weights * e|.
+
+    >>> from idviewer.core import MeanValueCoordinates, read_mesh, sample_path
+    >>> from idviewer.core.steps import finish
+    >>> hand = read_mesh(sample_path("hand_2k"))
+    >>> heights, centre = hand.vertices[:, 2:], hand.vertices.mean(axis=0)[None]
+    >>> approximation = MeanValueCoordinates(hand).approximation(heights, np.ones(1))
+    >>> height = finish(approximation.interpolate_steps(centre, 1e-3))
+    >>> bool(abs(height - centre[:, 2]) < 1e-3)
+    True
     """
 
     settings: ClassVar[ApproximationSettings] = ApproximationSettings()
@@ -99,7 +108,14 @@ class Approximation:
         return result
 
     def prepare_steps(self, tolerance: float) -> Generator[float, None, tuple[Treecode, Ints]]:
-        """The tree for a tolerance, and the columns it holds; built where none serves, one a power of ten."""
+        """Prepare the tree for a tolerance, where none serves: one for each power of ten.
+
+        Args:
+            tolerance: error allowed.
+
+        Returns:
+            The tree, and the numbers of the columns of values that it holds.
+        """
         power = math.floor(math.log10(tolerance) + 1e-9)
         if power not in self._trees:
             columns = self._columns_that_count(10.0**power)

@@ -24,7 +24,7 @@ from idviewer.core.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class TreecodeSettings:
-    """How a treecode is built and evaluated; all but two fields change its speed alone.
+    """Settings of a treecode; all but two fields change its speed alone.
 
     Attributes:
         factor_share: share of a node's error that left out factors may cause.
@@ -157,7 +157,15 @@ class Treecode:
 
 
 def chunks_of(count: int, workers: int, settings: TreecodeSettings) -> Ints:
-    """Where chunks of so many points begin, and the end; they shrink, so that workers finish together.
+    """Split points into chunks for workers; they shrink, so that workers finish together.
+
+    Args:
+        count: of points.
+        workers: threads.
+        settings: bounds of the chunks' sizes.
+
+    Returns:
+        (c + 1,) where each chunk begins, and the end.
 
     >>> chunks_of(500, 2, TreecodeSettings(least_chunk=64)).tolist()
     [0, 160, 272, 336, 400, 464, 500]
