@@ -36,7 +36,19 @@ class Lattice:
 
     @classmethod
     def inside(cls, section: Section, spacing: float) -> Lattice:
-        """The cells of a lattice that are inside a section and a margin away from its outline."""
+        """The cells of a lattice that are inside a section and a margin away from its outline.
+
+        Args:
+            section: with loops.
+            spacing: lattice constant, in the mesh's unit; positive.
+
+        >>> from idviewer.core.shapes.polygon import Polygon
+        >>> from idviewer.core.slices.polygon_sections import polygon_section
+        >>> square = polygon_section(Polygon([[0.5, 0.5], [4.5, 0.5], [4.5, 4.5], [0.5, 4.5]]))
+        >>> lattice = Lattice.inside(square, 1.0)
+        >>> len(lattice.cells), len(lattice.nodes), lattice.triangles().shape
+        (9, 16, (18, 3))
+        """
         scaled = section.in_plane / spacing
         lowest = np.floor(scaled.min(axis=0)).astype(np.int64) - 1
         stride = int(np.ceil(scaled[:, 1].max())) + 2 - int(lowest[1])
@@ -58,7 +70,7 @@ class Lattice:
         return self.cells, self.opposite, self.opposite + 1, self.cells + 1
 
     def triangles(self) -> Ints32:
-        """Two triangles a cell, the diagonals alternating so that no direction is favoured."""
+        """Triangles (2 c, 3), two a cell, the diagonals alternating so that no direction is favoured."""
         a, b, c, d = self._corners
         odd = ((self.nodes[:, 0] + self.nodes[:, 1]) & 1).astype(np.bool_)[self.cells]
         halves = np.empty((len(a), 6), dtype=np.int32)
@@ -85,7 +97,7 @@ class Lattice:
         return [tails[cycle] for cycle in cycles_of(number[next_side, next_cell])]
 
     def _neighbours(self) -> Ints32:
-        """(4, q) for each cell the one across each side, or -1."""
+        """Neighbours (4, q): for each cell the one across each side, or -1."""
         full = np.full(len(self.nodes) + 1, -1, dtype=np.int32)
         full[self.cells] = self.cells
         beside = np.full((4, len(self.nodes)), -1, dtype=np.int32)

@@ -18,7 +18,7 @@ FOLLOWING = np.array([1, 2, 0])
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """Where a plane cuts the surface: closed loops of points on mesh edges.
+    """Outline of a plane's cut through a surface: closed loops of points on mesh edges.
 
     A value that is linear on each face is known exactly on the whole outline: at point i it is
     (1 - t_i) f(a_i) + t_i f(b_i).
@@ -30,6 +30,12 @@ class Section:
         in_plane: (s, 2) the points' in-plane coordinates: in the plane's basis, about its origin.
         loops: index arrays into the points, one closed loop each, the body on the left as seen
             against the normal (outer loops counterclockwise, holes clockwise).
+
+    >>> from idviewer.core.shapes.polygon import Polygon
+    >>> from idviewer.core.slices.polygon_sections import polygon_section
+    >>> square = polygon_section(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]))
+    >>> square.area, square.interpolate(square.points).shape, [len(loop) for loop in square.loops]
+    (16.0, (4, 3), [4])
     """
 
     plane: Plane
@@ -40,7 +46,7 @@ class Section:
 
     @property
     def points(self) -> Floats:
-        """(s, 3) positions of the outline points."""
+        """Positions (s, 3) of the outline points."""
         return self.lift(self.in_plane)
 
     @property
@@ -50,18 +56,18 @@ class Section:
 
     @property
     def segments(self) -> tuple[Ints, Ints]:
-        """The points at which the sides of all loops start, and those at which they end."""
+        """Points at which the sides of all loops start, (s,) indices, and those at which they end."""
         if not self.loops:
             return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
         closed = [(loop, loop[1:], loop[:1]) for loop in self.loops]
         return np.concatenate(self.loops), np.concatenate([part for loop in closed for part in loop[1:]])
 
     def lift(self, in_plane: ArrayLike) -> Floats:
-        """(p, 2) coordinates in the plane's basis to (p, 3) positions."""
+        """Positions (p, 3) of points (p, 2) in the plane's basis."""
         return np.array(self.plane.origin) + np.asarray(in_plane, dtype=np.float64) @ self.plane.basis
 
     def interpolate(self, values: Floats) -> Floats:
-        """Values (n, k) given at the mesh's vertices, on the outline: (s, k), exact."""
+        """Interpolate values (n, k) given at the mesh's vertices to the outline, (s, k); exact."""
         share = self.fractions[:, None]
         return (1.0 - share) * values[self.edges[:, 0]] + share * values[self.edges[:, 1]]
 
@@ -109,7 +115,7 @@ def _where_crossed(ends: Floats, plane: Plane) -> tuple[Floats, Floats]:
 
 
 def _passage(above: NDArray[np.bool_]) -> tuple[Ints, Ints]:
-    """Where each face's boundary goes from above to below: places of the edge's two ends among all corners.
+    """Edges where each face's boundary goes from above to below: places of their two ends among all corners.
 
     Args:
         above: (m, 3), of the faces' corners.
@@ -130,7 +136,11 @@ def _loops(follower: Ints, in_plane: Floats) -> tuple[Ints, ...]:
 
 
 def cycles_of(follower: Ints) -> list[Ints]:
-    """The cycles of a permutation."""
+    """The cycles of a permutation.
+
+    >>> [cycle.tolist() for cycle in cycles_of(np.array([1, 0, 3, 4, 2]))]
+    [[0, 1], [2, 3, 4]]
+    """
     successor = follower.tolist()
     cycles = []
     for first in range(len(successor)):

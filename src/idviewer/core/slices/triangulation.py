@@ -34,6 +34,12 @@ class SliceMesh:
         spacing: distance between neighbouring nodes.
         nodes: (q, 2) integer lattice coordinates; a node lies at nodes * spacing in the plane's basis.
         triangles: (t, 3) indices, counterclockwise as seen against the plane's normal.
+
+    >>> from idviewer.core.shapes.polygon import Polygon
+    >>> from idviewer.core.slices.polygon_sections import polygon_section
+    >>> mesh = slice_mesh(polygon_section(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])), 1.0)
+    >>> len(mesh.points), len(mesh.node_points), len(mesh.triangles)
+    (13, 9, 20)
     """
 
     section: Section
@@ -43,12 +49,12 @@ class SliceMesh:
 
     @property
     def points(self) -> Floats:
-        """(s + q, 3) positions: the outline, then the nodes."""
+        """Positions (s + q, 3): the outline, then the nodes."""
         return self.section.lift(np.concatenate([self.section.in_plane, self.nodes * self.spacing]))
 
     @property
     def node_points(self) -> Floats:
-        """(q, 3) positions of the nodes alone."""
+        """Positions (q, 3) of the nodes alone."""
         return self.section.lift(self.nodes * self.spacing)
 
 
@@ -81,7 +87,20 @@ def slice_mesh(section: Section, spacing: float) -> SliceMesh:
 
 
 def spacing_for(section: Section, samples: int) -> float:
-    """The lattice constant that puts about so many nodes into the section; fewer into slivers and specks."""
+    """The lattice constant that puts about so many nodes into the section; fewer into slivers and specks.
+
+    Args:
+        section: the outline to fill.
+        samples: about how many nodes.
+
+    Returns:
+        In the mesh's unit; 0 where the section has no loops.
+
+    >>> from idviewer.core.shapes.polygon import Polygon
+    >>> from idviewer.core.slices.polygon_sections import polygon_section
+    >>> spacing_for(polygon_section(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])), 16)
+    1.0
+    """
     if not section.loops:
         return 0.0
     starts, ends = section.segments
@@ -95,11 +114,19 @@ def spacing_for(section: Section, samples: int) -> float:
 
 
 def edges_of(count: int, triangles: Ints32) -> tuple[Ints, Ints]:
-    """The edges of triangles (t, 3) between so many points.
+    """The edges of triangles.
+
+    Args:
+        count: of points.
+        triangles: (t, 3) indices of points.
 
     Returns:
         (e, 2) the two ends of each edge, the smaller first, in ascending order; and (t, 3) the edges of each
         triangle, the one from its first corner to its second first.
+
+    >>> ends, sides = edges_of(4, np.array([[0, 1, 2], [2, 1, 3]], dtype=np.int32))
+    >>> ends.tolist(), sides.tolist()
+    ([[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]], [[0, 2, 1], [2, 3, 4]])
     """
     corners = np.ascontiguousarray(triangles.T, dtype=np.int64)
     tails, heads = corners.ravel(), corners[[1, 2, 0]].ravel()
