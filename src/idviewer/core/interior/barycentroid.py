@@ -24,7 +24,7 @@ Evaluate = Callable[[Floats], Generator[float | None, None, Floats]]
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """How the barycentroid is looked for; lengths in diagonals of the shape.
+    """Settings of the search for the barycentroid; lengths in diagonals of the shape.
 
     Attributes:
         layers: planes across the longest axis of a mesh on which its inside is sampled.
@@ -60,7 +60,7 @@ SEARCH = SearchSettings()
 
 @dataclass(frozen=True, eq=False)
 class Barycentroid:
-    """Where the potential is smallest.
+    """The point inside where the potential is smallest.
 
     Attributes:
         point: (dimension,) the barycentroid, inside the shape.
@@ -94,6 +94,12 @@ def barycentroid_steps(
 
     Raises:
         ShapeError: no point inside could be found (a MeshError or a PolygonError).
+
+    >>> from idviewer.core import Euclidean, InteriorDistance, Polygon
+    >>> square = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+    >>> found = finish(barycentroid_steps(square.shape, square.interpolation.potential_steps))
+    >>> found.point.round(4).tolist()
+    [2.0, 2.0]
     """
     samples = yield from interior_sample_steps(shape)
     values = yield from (surrogate or potential)(samples)
@@ -111,9 +117,13 @@ def barycentroid_steps(
 
 
 def interior_samples(shape: Shape) -> Floats:
-    """(p, dimension) points spread evenly over the inside.
+    """Points (p, dimension) spread evenly over the inside.
 
     A lattice fills a polygon, lattices on planes across the longest axis fill a mesh.
+
+    >>> samples = interior_samples(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]))
+    >>> bool(((samples > 0.0) & (samples < 4.0)).all())
+    True
     """
     return finish(interior_sample_steps(shape))
 
@@ -139,7 +149,7 @@ def _layers(mesh: Mesh) -> Generator[None, None, Floats]:
 
 
 def _filling(cut: Section, samples: int) -> Floats:
-    """(p, 3) about so many points inside a section."""
+    """Points (p, 3) inside a section, about so many."""
     filled = slice_mesh(cut, spacing_for(cut, samples))
     return filled.node_points if len(filled.nodes) else _largest_triangles(filled)
 
@@ -165,7 +175,7 @@ def _lowest_apart(points: Floats, values: Floats, apart: float) -> list[Floats]:
 def _descents(
     potential: Evaluate, paths: list[Floats], radius: float, last_radius: float
 ) -> Generator[float | None, None, list[Barycentroid]]:
-    """Where descents end that go on from the ends of paths (s, d); the lowest first."""
+    """Ends of descents that go on from the ends of paths (s, d); the lowest first."""
     ends: list[Barycentroid] = []
     for path in paths:
         yield from _descend(potential, path, radius, last_radius, ends)

@@ -39,7 +39,7 @@ def extent(points: Floats) -> float:
 
 
 def column_weights(basis: Floats, scales: Iterable[Floats]) -> Floats:
-    """What an error of each column of a basis (n, k) counts, (k,), in largest distances between its points.
+    """Weights (k,) of errors of a basis's columns (n, k), in largest distances between its points.
 
     Args:
         basis: before it is scaled.

@@ -110,34 +110,34 @@ class EmbeddedBoundary:
 
     @cached_property
     def masses(self) -> Floats:
-        """(n,) each vertex's share of the boundary, in the shape's unit squared, or length in the plane."""
+        """Each vertex's share (n,) of the boundary, in the shape's unit squared, or length in the plane."""
         return masses_of(self.shape) if self._spectrum is None else self._spectrum.masses
 
     @cached_property
     def form(self) -> QuadraticForm | None:
-        """The way past an embedding, where the distance knows one."""
+        """The quadratic form that does without an embedding, where the distance has one."""
         return self.distance.form(self.shape)
 
     @property
     def basis(self) -> Floats:
-        """(n, k) what is sampled inside; times `scale` it is the embedding. Read-only."""
+        """Columns (n, k) that are sampled inside; times `scale` they are the embedding. Read-only."""
         return self._basis().columns
 
     @cached_property
     def scale(self) -> Floats:
-        """(k,) factor of each column of the basis, or (1,) for all of them."""
+        """Factors (k,) of the columns of the basis, or (1,) for all of them."""
         if self.distance.spectral:
             finish(self.prepare_steps())
         return self.distance.scale(self._spectrum)
 
     @property
     def embedding(self) -> Floats:
-        """(n, k) the embedded vertices v_i*."""
+        """Embedded vertices v_i*, (n, k)."""
         return self.basis * self.scale
 
     @property
     def centre(self) -> Floats:
-        """(k,) the area-weighted mean of the embedded vertices."""
+        """Area-weighted mean (k,) of the embedded vertices."""
         return self._basis().mean * self.scale
 
     def squares(self) -> Floats:

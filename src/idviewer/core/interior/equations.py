@@ -74,6 +74,8 @@ def pairwise_distance(
 def by_gram(differences: Floats, columns: Floats) -> Floats:
     """Eq. 2: sqrt(z^T A z) of each row z = w(p) - w(q) of (p, n), with A = Y Y^T applied, never formed.
 
+    Source: Rustamov, Lipman and Funkhouser 2009, eq. 2.
+
     Args:
         differences: (p, n).
         columns: Y (n, k), the embedding.
@@ -88,6 +90,8 @@ def by_gram(differences: Floats, columns: Floats) -> Floats:
 def by_squares(differences: Floats, squares: Floats) -> Floats:
     """Eq. 4: sqrt(-z^T D z / 2) of each row z = w(p) - w(q) of (p, n).
 
+    Source: Rustamov, Lipman and Funkhouser 2009, eq. 4.
+
     Args:
         differences: (p, n).
         squares: D (n, n), squared distances.
@@ -100,6 +104,8 @@ def by_squares(differences: Floats, squares: Floats) -> Floats:
 
 def by_expansion(first: Floats, second: Floats, squares: Floats) -> Floats:
     """Eq. 5: the mean squared distance between two points' weights, less what p = q would leave.
+
+    Source: Rustamov, Lipman and Funkhouser 2009, eq. 5.
 
     Args:
         first, second: (p, n) weights of two points a row.

@@ -32,6 +32,13 @@ class BasisInterpolation:
 
     Raises:
         ValueError: rtol is negative, or 1 or more.
+
+    >>> from idviewer.core import Euclidean, MeanValueCoordinates, Polygon
+    >>> from idviewer.core.steps import finish
+    >>> square = Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])
+    >>> inside = BasisInterpolation(EmbeddedBoundary(square, Euclidean()), MeanValueCoordinates(square))
+    >>> finish(inside.sample_steps([[1.0, 3.0]])).round(12).tolist()
+    [[-1.0, 1.0]]
     """
 
     weights_per_step: ClassVar[int] = 2**21
@@ -61,7 +68,7 @@ class BasisInterpolation:
     def sample_steps(
         self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
     ) -> Generator[float, None, Floats]:
-        """The basis at points before it is scaled; yields the share done every few milliseconds.
+        """Sample the basis at points, before it is scaled; yields the share done every few milliseconds.
 
         Args:
             points: (p, dimension).
@@ -70,6 +77,9 @@ class BasisInterpolation:
 
         Returns:
             (p, k), NaN for points outside the shape.
+
+        Raises:
+            ValueError: the points have another dimension.
         """
         points = as_points(points, self.boundary.shape.dimension)
         rtol = self.rtol if rtol is None else rtol
@@ -79,13 +89,18 @@ class BasisInterpolation:
         return (yield from approximation.interpolate_steps(points, ERROR_SHARE_OF_AN_END * rtol))
 
     def distance_steps(self, p: ArrayLike, q: ArrayLike) -> Generator[float, None, Floats]:
-        """Interior distances by eq. 1, |p* - q*|; where the distance knows a way past p*, by that.
+        """Interior distances by eq. 1, |p* - q*|, or by eq. 2 where the distance has a quadratic form.
+
+        Source: Rustamov, Lipman and Funkhouser 2009, eq. 1 and 2.
 
         Args:
             p, q: (p, dimension) or (1, dimension).
 
         Returns:
             (p,), NaN where a point is outside the shape.
+
+        Raises:
+            ValueError: the points have another dimension, or there are not as many of both.
         """
         first, second = as_pairs(p, q, self.boundary.shape.dimension)
         if self.boundary.form is not None:
@@ -99,7 +114,9 @@ class BasisInterpolation:
     def potential_steps(
         self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
     ) -> Generator[float, None, Floats]:
-        """U(p) = |p* - c|, c the area-weighted mean of the embedded vertices; yields the share done.
+        """The potential U(p) = |p* - c|, c the mass-weighted mean of the v_i*; yields the share done.
+
+        Source: Rustamov, Lipman and Funkhouser 2009, section 7.
 
         Args:
             points: (p, dimension).
@@ -130,7 +147,7 @@ class BasisInterpolation:
         return np.sqrt(np.maximum(np.concatenate(squares), 0.0))
 
     def error_weights(self, distances: Iterable[Distance] = ()) -> Floats:
-        """What an error of each column of the basis counts, (k,), in largest boundary distances.
+        """Weights (k,) of errors of the basis's columns, in largest boundary distances.
 
         Args:
             distances: others with the same basis that samples are to serve as well.

@@ -15,6 +15,8 @@ def interior_distance(
 ) -> Floats:
     """Interior distances of point pairs; for many calls on one shape keep an `InteriorDistance`.
 
+    Source: Rustamov, Lipman and Funkhouser 2009, eq. 1.
+
     Args:
         shape: n vertices, in 2 or 3 dimensions, or its arrays (see `idviewer.core.shapes.shape`).
         p, q: (p, dimension) or (1, dimension).
@@ -22,6 +24,9 @@ def interior_distance(
 
     Returns:
         (p,), NaN where a point is outside the shape.
+
+    Raises:
+        ValueError: the points have another dimension, or the distance cannot be had on this shape.
 
     >>> from idviewer.core import read_mesh, sample_path
     >>> hand = read_mesh(sample_path("hand_2k"))

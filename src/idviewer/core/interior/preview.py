@@ -29,7 +29,7 @@ SIMPLIFYING_STAGE, EIGENPAIRS_STAGE = "Simplifying the mesh", "Computing coarse 
 
 @dataclass(frozen=True)
 class PreviewSettings:
-    """How coarse previews are, and how careful the estimate of their error.
+    """Settings of previews: their coarseness, and the safety of the estimate of their error.
 
     Attributes:
         least_vertices: meshes with fewer have no preview: their own eigenpairs take little longer.
@@ -86,12 +86,12 @@ class Preview:
 
     @cached_property
     def projection(self) -> ClosestPointProjection:
-        """From points near the simplified mesh to their closest points on it."""
+        """Closest-point projection of points near the simplified mesh onto it."""
         return ClosestPointProjection(self.small.mesh)
 
     @cached_property
     def spectrum(self) -> Spectrum:
-        """Of the simplified mesh, c values a vector."""
+        """Eigenpairs of the simplified mesh, c values a vector."""
         return _below(self.wide, self.bound)
 
     def serves(self, distance: Distance) -> bool:
@@ -122,7 +122,7 @@ class Preview:
         return float((simplifying + cutting) / largest) + PREVIEW_SETTINGS.negligible_weight**2
 
     def transfer_matrix(self, vertices: Ints | None = None) -> csr_array:
-        """(v, c) from values at the simplified mesh's vertices to those at some or all of the full one's."""
+        """Transfer matrix (v, c) from the simplified mesh's vertices to some or all of the full one's."""
         chosen = np.arange(len(self.full.vertices)) if vertices is None else vertices
         closest = self.projection.project(self.full.vertices[chosen], self.small.parents[chosen])
         return closest.matrix(self.small.mesh)
@@ -135,12 +135,22 @@ class Preview:
 
 
 def is_worth_previewing(shape: Shape) -> bool:
-    """Whether a shape's eigenpairs take so long that a picture without them is welcome."""
+    """Whether a shape's eigenpairs take so long that a picture without them is welcome.
+
+    >>> from idviewer.core import Polygon
+    >>> is_worth_previewing(Polygon([[0, 0], [1, 0], [0, 1]]))
+    False
+    """
     return isinstance(shape, Mesh) and len(shape.vertices) >= PREVIEW_SETTINGS.least_vertices
 
 
 def preview_cutoff(distance: Distance) -> Callable[[float], float]:
-    """From lambda_2 to where the modes end that count in a picture."""
+    """The bound of the eigenvalues that count in a picture, as a function of lambda_2.
+
+    >>> from idviewer.core import Diffusion
+    >>> preview_cutoff(Diffusion())(1.0) < Diffusion().cutoff(1.0)
+    True
+    """
 
     def bound(lambda_2: float) -> float:
         last = distance.cutoff(lambda_2)
@@ -154,7 +164,7 @@ def preview_cutoff(distance: Distance) -> Callable[[float], float]:
 
 
 def preview_steps(mesh: Mesh, cutoff: Callable[[float], float]) -> Steps:
-    """A preview of a mesh, or None where it would not pay or not be right.
+    """Make a preview of a mesh, or None where it would not pay or not be right.
 
     Yields the stage, and the share of it that is done or None, every few milliseconds.
 

@@ -58,16 +58,21 @@ class PreviewBoundary(EmbeddedBoundary):
         return self._preview.full
 
     def with_distance(self, distance: Distance) -> PreviewBoundary:
-        """As of `EmbeddedBoundary`."""
+        """The same preview with another distance; see `EmbeddedBoundary.with_distance`."""
         return PreviewBoundary(self._preview, distance, self._prepared_for(distance))
 
     @property
     def description(self) -> str:
-        """As of `EmbeddedBoundary`, but for the modes that are left out, which the error knows."""
+        """The distance's name and parameters in words; modes left out are part of the preview's error."""
         return self.distance.describe(replace(self.spectrum, bound=math.inf))
 
     def rows_between(self, ends: Ints, shares: Floats) -> Floats:
-        """The basis at points of the full mesh's edges, (q, k); see `EmbeddedBoundary.rows_between`."""
+        """The basis (q, k) at points of the full mesh's edges; see `EmbeddedBoundary.rows_between`.
+
+        Args:
+            ends: (q, 2) vertices of the full mesh.
+            shares: (q, 2) of each end.
+        """
         vertices, places = np.unique(ends, return_inverse=True)
         rows = self._preview.transfer_matrix(vertices) @ self.basis
         return (shares[:, :, None] * rows[places.reshape(ends.shape)]).sum(axis=1)
@@ -92,17 +97,28 @@ class PreviewInterpolation(BasisInterpolation):
         self._preview = preview
 
     def with_boundary(self, boundary: EmbeddedBoundary) -> PreviewInterpolation:
-        """As of `BasisInterpolation`."""
+        """The same coordinates with another boundary of the same preview."""
         return PreviewInterpolation(self._preview, boundary, self.coordinates)
 
     def with_coordinates(self, coordinates: Coordinates) -> PreviewInterpolation:
-        """As of `BasisInterpolation`."""
+        """The same boundary with other coordinates of the simplified mesh."""
         return PreviewInterpolation(self._preview, self.boundary, coordinates)
 
     def sample_steps(
         self, points: ArrayLike, rtol: float | None = None, weights: Floats | None = None
     ) -> Generator[float, None, Floats]:
-        """As of `BasisInterpolation`, and exact; (p, k), NaN for points outside both meshes."""
+        """Sample the basis at points, exactly; yields the share done every few milliseconds.
+
+        Args:
+            points: (p, 3).
+            rtol, weights: not used; samples are exact.
+
+        Returns:
+            (p, k), NaN for points outside both meshes.
+
+        Raises:
+            ValueError: the points have another dimension.
+        """
         points = as_points(points, 3)
         rows = yield from super().sample_steps(points, 0.0)
         missing = np.flatnonzero(~np.isfinite(rows).all(axis=1))

@@ -253,7 +253,7 @@ class InteriorDistance:
         return barycentroid_steps(self.shape, potential, radius, surrogate)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Which of the points (p, dimension) lie inside the shape or on its boundary, (p,).
+        """Tell which of points (p, dimension) lie inside the shape or on its boundary, (p,).
 
         Raises:
             ValueError: the points have another dimension.
@@ -293,7 +293,7 @@ def solver_steps(
 
 
 def solver_of_parts(boundary: EmbeddedBoundary, interpolation: BasisInterpolation) -> InteriorDistance:
-    """A solver of parts that are there already; prepares nothing."""
+    """Assemble a solver of a boundary and an interpolation that are there already; prepares nothing."""
     solver = InteriorDistance.__new__(InteriorDistance)
     solver.boundary, solver.interpolation = boundary, interpolation
     return solver
