@@ -34,6 +34,11 @@ class BasisSamples:
         nodes: about how many points of a lattice the last level of a plane may have inside; by default what
             takes seconds.
         settings: `SAMPLING` by default.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> samples = BasisSamples(InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean()))
+    >>> finish(samples.row_steps((3.0, 2.0, 0.0))).round(12).tolist()
+    [1.0, 0.0]
     """
 
     def __init__(
@@ -48,7 +53,7 @@ class BasisSamples:
 
     @cached_property
     def boundary(self) -> MaxNorm:
-        """Of the basis at all vertices."""
+        """Norms of the basis at all vertices, for the farthest from a point."""
         return MaxNorm(self.solver.boundary.basis)
 
     def on(self, plane: Plane) -> PlaneSamples:
@@ -66,7 +71,14 @@ class BasisSamples:
         return int(min(visits, self._settings.basis_numbers / self.solver.boundary.basis.shape[1]))
 
     def restore(self, plane: Plane, known: SampledSlice, point: Point, row: Floats) -> None:
-        """Take samples that were taken before: the finest on a plane, and the exact row (k,) of a point."""
+        """Take samples that were taken before: the finest on a plane, and the exact row of a point.
+
+        Args:
+            plane: the one that was cut with.
+            known: its samples.
+            point: a source, with z = 0 in a polygon.
+            row: (k,) the exact basis there.
+        """
         self.on(plane).restore(known)
         self._points[point] = row
 
@@ -83,7 +95,7 @@ class BasisSamples:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the user has to know of the samples taken so far, one sentence each."""
+        """Remarks for the user on the samples taken so far, one sentence each."""
         return remarks_on(self.solver.coordinates)
 
     def row_steps(self, point: Point, rtol: float = 0.0) -> Generator[None, None, Floats]:
@@ -122,7 +134,7 @@ class BasisSamples:
 
 
 def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
-    """What the user has to know of the weights found so far, one sentence each."""
+    """Remarks for the user on the weights found so far, one sentence each."""
     count = coordinates.unconverged
     if count == 0:
         return ()

@@ -29,7 +29,7 @@ class EdgeMidpoints:
     expected: Floats
 
     def at(self, chosen: Ints) -> EdgeMidpoints:
-        """Some of them."""
+        """Those of the edges chosen, by their numbers."""
         return EdgeMidpoints(self.ends[chosen], self.rows[chosen], self.expected[chosen])
 
 
@@ -61,7 +61,12 @@ def interpolated(
 
 
 def combined(points: Ints, coefficients: Floats, rows: Floats) -> Floats:
-    """Sums of rows (p, k), (e, k): each of points (e, c) times its coefficient (e, c).
+    """Sums (e, k) of a few rows each, with coefficients.
+
+    Args:
+        points: (e, c) indices of rows.
+        coefficients: (e, c) of these rows.
+        rows: (p, k).
 
     >>> combined(np.array([[0, 1]]), np.array([[0.5, 0.5]]), np.array([[1.0], [3.0]])).tolist()
     [[2.0]]
@@ -72,7 +77,7 @@ def combined(points: Ints, coefficients: Floats, rows: Floats) -> Floats:
 
 
 def _bend(mesh: SliceMesh, ends: Ints, lattice: Bools) -> tuple[Ints, Floats]:
-    """How far the mean of two nodes lies off the curve through them: an eighth of the second difference.
+    """Distance of the mean of two nodes from the curve through them: an eighth of the second difference.
 
     Returns:
         (e, 4) an edge's two ends, and the nodes beyond them; (e, 4) their coefficients, 0 off the lattice.
@@ -102,7 +107,7 @@ def _find(nodes: Ints, wanted: Ints) -> Ints:
 
 
 def _on_outline(mesh: SliceMesh, ends: Ints) -> Bools:
-    """Which edges (smaller end first) are sides of the outline."""
+    """Tell which edges (smaller end first) are sides of the outline."""
     starts, stops = mesh.section.segments
     follower = np.full(len(mesh.section.in_plane), -1)
     follower[starts] = stops
@@ -114,13 +119,37 @@ def _on_outline(mesh: SliceMesh, ends: Ints) -> Bools:
 
 
 def midpoints_of(mesh: SliceMesh, ends: Ints) -> Floats:
-    """(e, 2) the midpoints of edges in the plane's basis."""
+    """Midpoints of edges in the plane's basis, (e, 2).
+
+    Args:
+        mesh: n points.
+        ends: (e, 2) indices into them.
+
+    >>> from idviewer.core.shapes.polygon import Polygon
+    >>> from idviewer.core.slices.polygon_sections import polygon_section
+    >>> from idviewer.core.slices.triangulation import slice_mesh
+    >>> mesh = slice_mesh(polygon_section(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])), 8.0)
+    >>> mesh.section.lift(midpoints_of(mesh, np.array([[0, 1]]))).tolist()
+    [[2.0, 0.0, 0.0]]
+    """
     flat = np.concatenate([mesh.section.in_plane, mesh.nodes * mesh.spacing])
     return 0.5 * (flat[ends[:, 0]] + flat[ends[:, 1]])
 
 
 def lengths(mesh: SliceMesh, ends: Ints) -> Floats:
-    """(e,) the edges' lengths in lattice constants, the longest cut to 2."""
+    """Lengths of edges in lattice constants, (e,), the longest cut to 2.
+
+    Args:
+        mesh: n points.
+        ends: (e, 2) indices into them.
+
+    >>> from idviewer.core.shapes.polygon import Polygon
+    >>> from idviewer.core.slices.polygon_sections import polygon_section
+    >>> from idviewer.core.slices.triangulation import slice_mesh
+    >>> mesh = slice_mesh(polygon_section(Polygon([[0, 0], [3, 0], [3, 4], [0, 4]])), 10.0)
+    >>> lengths(mesh, np.array([[0, 2], [1, 2]])).tolist()
+    [0.5, 0.4]
+    """
     flat = np.concatenate([mesh.section.in_plane, mesh.nodes * mesh.spacing])
     return np.minimum(np.linalg.norm(flat[ends[:, 1]] - flat[ends[:, 0]], axis=1) / mesh.spacing, 2.0)
 
@@ -132,6 +161,9 @@ def around(expected: Floats, sides: Ints, weight: float) -> Floats:
         expected: (e,) errors.
         sides: (t, 3) the edges of each triangle.
         weight: of the neighbours.
+
+    >>> around(np.array([1.0, 4.0, 0.0]), np.array([[0, 1, 2]]), 0.5).tolist()
+    [3.0, 6.0, 0.0]
     """
     largest = expected[sides].max(axis=1)
     nearby = np.zeros(len(expected))

@@ -55,6 +55,16 @@ class PlaneSamples:
         sampler: of the basis.
         plane: where.
         finest: about how many nodes the last level may have.
+
+    >>> from idviewer.core import Euclidean, InteriorDistance, Polygon
+    >>> from idviewer.core.sampling.sampled_slice import POLYGON_PLANE
+    >>> from idviewer.core.sampling.sampler import Sampler
+    >>> from idviewer.core.steps import finish
+    >>> solver = InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean())
+    >>> samples = PlaneSamples(Sampler(solver), POLYGON_PLANE, 100)
+    >>> first = finish(samples.level_steps(samples.start))
+    >>> bool(np.allclose(first.rows + 2.0, first.points[:, :2]))
+    True
     """
 
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
@@ -212,7 +222,7 @@ class PlaneSamples:
 
 
 def _section(shape: Shape, plane: Plane, settings: SamplingSettings) -> tuple[Section, float]:
-    """What a plane cuts out of a body, and the spacing of the coarsest lattice that fills it.
+    """The section of a body by a plane, and the spacing of the coarsest lattice that fills it.
 
     Of a polygon, which lies in a plane of its own, it is all; edges are divided, because distances are not
     linear along them even where the basis is.

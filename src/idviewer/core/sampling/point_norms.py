@@ -87,7 +87,12 @@ class MaxNorm:
         self._last: tuple[bytes, float] | None = None
 
     def farthest(self, scale: Floats, origin: Floats | float = 0.0) -> float:
-        """The largest |row * scale - origin|."""
+        """The largest distance |row * scale - origin| of all rows.
+
+        Args:
+            scale: (k,).
+            origin: (k,), or 0.
+        """
         key = np.concatenate([scale, np.atleast_1d(origin)]).tobytes()
         if self._last is None or self._last[0] != key:
             squares = self._squared(scale)
@@ -122,7 +127,16 @@ def product(rows: NDArray[Any], vector: Floats) -> NDArray[Any]:
 
 
 def squares_of(rows: Floats, scale: Floats, origin: Floats | float) -> Floats:
-    """|row * scale - origin|^2 of each row."""
+    """Squared distances |row * scale - origin|^2 of each row, (p,).
+
+    Args:
+        rows: (p, k).
+        scale: (k,).
+        origin: (k,), or 0.
+
+    >>> squares_of(np.array([[3.0, 2.0]]), np.array([1.0, 2.0]), 0.0).tolist()
+    [25.0]
+    """
     result = np.empty(len(rows))
     for start in range(0, len(rows), ROWS_PER_BLOCK):
         chunk = rows[start : start + ROWS_PER_BLOCK] * scale

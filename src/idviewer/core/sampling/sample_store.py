@@ -27,7 +27,7 @@ class SampleStore:
         self._rows: Floats = np.empty((0, columns))
 
     def has(self, keys: Ints) -> Bools:
-        """Which keys are known."""
+        """Tell which of keys (p,) are known, (p,)."""
         return np.isin(keys, self._keys)
 
     def add(self, keys: Ints, rows: Floats) -> None:
@@ -39,9 +39,9 @@ class SampleStore:
         self._rows = np.concatenate([self._rows, rows])
 
     def numbers(self, keys: Ints) -> Ints:
-        """Numbers of points in the order in which they were added."""
+        """Numbers (p,) of the points with known keys (p,), in the order in which they were added."""
         return self._order[np.searchsorted(self._keys, keys)]
 
     def rows(self, keys: Ints) -> Floats:
-        """The rows of known keys."""
+        """The rows (p, k) of known keys (p,)."""
         return self._rows[self.numbers(keys)]

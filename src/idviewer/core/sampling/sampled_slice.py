@@ -36,7 +36,11 @@ class SliceValues:
 
 
 def error_bound(source_rtol: float, rtol: float) -> float:
-    """Largest error of distances from a source to points sampled within these tolerances, in their unit.
+    """Largest error of distances from a source to points sampled within tolerances, in their unit.
+
+    Args:
+        source_rtol: of the source's sample, in largest distances on the boundary; 0 where it is exact.
+        rtol: of the points' samples.
 
     >>> error_bound(0.0, 2e-3)
     0.001
@@ -69,7 +73,7 @@ class SampledSlice:
 
     @property
     def rows(self) -> Floats:
-        """(p, k) the basis at the points, before it is scaled."""
+        """Basis (p, k) at the points, before it is scaled."""
         return self.norms.rows
 
     def values(self, plane: Plane, scale: Floats, origin: Floats) -> SliceValues:

@@ -29,6 +29,12 @@ class Sampler:
         exact_always: whether tolerances save no time, so that every sample is exact.
         ready: whether the first levels of slices can be sampled without more preparation.
         complete: whether everything can.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> from idviewer.core.steps import finish
+    >>> sampler = Sampler(InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean()))
+    >>> finish(sampler.sample_steps([[3.0, 2.0, 0.0]], 0.0)).round(12).tolist()
+    [[1.0, 0.0]]
     """
 
     def __init__(self, solver: InteriorDistance, settings: SamplingSettings | None = None) -> None:
@@ -52,7 +58,7 @@ class Sampler:
         return self.solver.interpolation.error_weights(extremes(self.solver))
 
     def significant_columns(self, rows: Floats) -> Floats:
-        """Of rows (p, k), scaled, the columns that make up most of the solver's own distance."""
+        """The columns of rows (p, k), scaled, that make up most of the solver's own distance."""
         return rows[:, self._columns] * self._scales[self._columns, 0]
 
     def sample_steps(self, points: ArrayLike, rtol: float) -> Generator[float, None, Floats]:
@@ -74,7 +80,15 @@ class Sampler:
         )
 
     def tolerance(self, share: float, outline: Floats) -> float:
-        """The rtol that is such a share of the distances on a slice with these rows on its outline."""
+        """The rtol that is a share of the distances on a slice.
+
+        Args:
+            share: of the largest distance on the slice.
+            outline: (s, k) rows of the basis on its outline.
+
+        Returns:
+            In largest distances on the boundary; 0 where every sample is exact.
+        """
         if self.exact_always or len(outline) == 0:
             return 0.0
         some = outline[:: -(-len(outline) // self.settings.outline_points)]
@@ -108,7 +122,7 @@ class Sampler:
             release_free_memory()
 
     def _radii_of(self, rows: Floats) -> Floats:
-        """How far the images of rows lie from their mean, for each of the common distances."""
+        """Largest distances of the images of rows from their mean, for each of the common distances."""
         off = rows - rows.mean(axis=0)
         return np.sqrt(np.max(off**2 @ self._scales**2, axis=0))
 
@@ -119,7 +133,12 @@ def _common(solver: InteriorDistance) -> list[Distance]:
 
 
 def extremes(solver: InteriorDistance) -> list[Distance]:
-    """The distances with the solver's basis, each parameter at its default and at the ends of its span."""
+    """The distances with the solver's basis, each parameter at its default and at the ends of its span.
+
+    >>> from idviewer.core import Euclidean, Polygon
+    >>> extremes(InteriorDistance(Polygon([[0, 0], [1, 0], [0, 1]]), Euclidean()))
+    [Euclidean()]
+    """
     found: list[Distance] = []
     for distance in _common(solver):
         found.append(distance)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SamplingSettings:
-    """What may be tuned in sampling slices.
+    """Settings of sampling slices.
 
     Attributes:
         coarsest_nodes: lattice nodes inside a slice at its first level.
