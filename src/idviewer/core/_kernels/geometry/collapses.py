@@ -21,7 +21,7 @@ LARGEST_DEGREE = 12
 """A collapse that gives a vertex more neighbours is not done."""
 
 BENT = 16.0
-"""What the square of leaving the surface counts, against that of the edge's length."""
+"""Weight of the squared distance from the surface, against that of the edge's squared length."""
 
 TURNED = 0.4
 """Cosine of the angle up to which a collapse may turn a face."""
@@ -108,7 +108,7 @@ def _is_shorter(surface, h, limit):  # type: ignore[no-untyped-def]
 
 @numba.njit(**SCALAR)
 def _worth(surface, h):  # type: ignore[no-untyped-def]
-    """What it costs to pull the tail of h into its head: squares of length and of leaving the surface."""
+    """Cost of pulling the tail of h into its head: squares of length and of leaving the surface."""
     points, tails = surface.points, surface.tails
     u, v = tails[h], tails[_next(h)]
     x, y, z = points[v, 0] - points[u, 0], points[v, 1] - points[u, 1], points[v, 2] - points[u, 2]
@@ -137,7 +137,7 @@ def _normal(points, u, a, b):  # type: ignore[no-untyped-def]
 
 @numba.njit(**SCALAR)
 def _roundness(points, u, a, b, square):  # type: ignore[no-untyped-def]
-    """Of a triangle with such a square of twice its area: 1 if it is equilateral, 0 if it is flat."""
+    """Roundness of a triangle with such a square of twice its area: 1 if equilateral, 0 if flat."""
     sides = 0.0
     for axis in range(3):
         sides += (points[a, axis] - points[u, axis]) ** 2 + (points[b, axis] - points[u, axis]) ** 2

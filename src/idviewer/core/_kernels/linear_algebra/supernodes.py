@@ -11,7 +11,7 @@ LARGEST_SUPERNODE = 4
 
 @numba.njit(cache=True)
 def group_columns(starts, rows, part):  # type: ignore[no-untyped-def]
-    """How many columns go together: with the same entries below them and in one part.
+    """Count the columns that go together: with the same entries below them and in one part.
 
     Args:
         starts: (n + 1,) where the columns begin.

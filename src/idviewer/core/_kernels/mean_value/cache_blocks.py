@@ -46,7 +46,7 @@ class Workspace(NamedTuple):
 
 
 class BoundaryHits(NamedTuple):
-    """Which points lie on the surface: the weights there are the linear interpolation.
+    """Points that lie on the surface: the weights there are the linear interpolation.
 
     Attributes:
         kinds: (LANES,) uint8; 0 for points off the surface, 1 on a face or an edge, 2 on a vertex.
@@ -84,7 +84,7 @@ def no_boundary_hits(count: int) -> BoundaryHits:
 
 @numba.njit(**ALLOCATION_FREE)
 def workspace_of(workspace, worker):  # type: ignore[no-untyped-def]
-    """One worker's."""
+    """A workspace for one worker."""
     return Workspace(
         workspace.local[worker],
         workspace.distances[worker],

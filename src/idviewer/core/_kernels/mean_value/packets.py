@@ -113,5 +113,5 @@ def weigh(points, surface, tolerance, workspace, hits, totals, kept, product, we
 
 
 def thread_count() -> int:
-    """How many threads the kernels use."""
+    """The number of threads that kernels use."""
     return int(numba.get_num_threads())

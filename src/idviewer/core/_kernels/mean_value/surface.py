@@ -113,7 +113,7 @@ def _numbered(faces: Ints, first_face: Ints) -> tuple[Ints, Ints, Int32s, Ints, 
 
 
 def _constants(corners: Floats) -> Floats:
-    """What the fast formula needs of each face, (m, CONSTANTS).
+    """Constants of each face for the fast formula, (m, CONSTANTS).
 
     Of a face with area vector N (length: twice the area) and edges e_i, opposite to corner i: the affine
     functions of x eta = 2 h / |N|, beta_1 and beta_2 (three factors and a constant each), e_1.e_2 / 4,

@@ -39,7 +39,7 @@ BYTES = {types.float64: 8, types.float32: 4}
 
 
 def vector_of(lanes: LanesType) -> ir.VectorType:
-    """As LLVM calls it."""
+    """Name of the vector type in LLVM."""
     return ir.VectorType(_ELEMENTS[lanes.dtype], LANES)
 
 

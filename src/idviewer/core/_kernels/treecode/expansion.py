@@ -48,7 +48,7 @@ def _lowered(index: Index, axis: int, by: int = 1) -> Index | None:
 
 
 class Tables(NamedTuple):
-    """What kernels need to know of the multi-indices.
+    """Tables of the multi-indices, for kernels.
 
     Attributes:
         degrees: (COEFFICIENTS,) of each coefficient's multi-index beta.

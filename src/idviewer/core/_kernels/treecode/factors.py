@@ -35,7 +35,7 @@ class Factors(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What to be accurate for.
+    """The accuracy that factors are made for.
 
     Attributes:
         tolerance: error allowed to a node, in the weights' unit.
@@ -97,7 +97,7 @@ def factor_workspaces(width: int, rows: int, levels: int, subtrees: int) -> Fact
 
 @numba.njit(**ALLOCATION_FREE)
 def factor_workspace_of(workspaces, i):  # type: ignore[no-untyped-def]
-    """One subtree's."""
+    """A workspace for one subtree."""
     return FactorWorkspace(
         workspaces.of_faces[i],
         workspaces.powers_of_faces[i],
@@ -116,7 +116,7 @@ def factor_workspace_of(workspaces, i):  # type: ignore[no-untyped-def]
 
 @numba.njit(**ALLOCATION_FREE)
 def bound_errors(moments, weights, radius, tables, bounds):  # type: ignore[no-untyped-def]
-    """From which distances each degree suffices, by the size of the first degree that is left out.
+    """Distances from which each degree suffices, by the size of the first degree that is left out.
 
     Terms of degree n add up to no more than (n + 1) |moments of degree n| / distance^(n + 2).
     """

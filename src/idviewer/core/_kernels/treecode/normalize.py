@@ -17,7 +17,7 @@ FIRST_VALUE = 4
 
 
 class Target(NamedTuple):
-    """Where values go.
+    """Destination of values.
 
     Attributes:
         rows: (p,) of values, one a point.

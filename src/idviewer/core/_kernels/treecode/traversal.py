@@ -55,7 +55,7 @@ class Tree(NamedTuple):
 
 
 class Accuracy(NamedTuple):
-    """How exact a traversal is.
+    """Accuracy of a traversal.
 
     Attributes:
         tolerance: error allowed to a node's share of a point, when weights add up to 1.
@@ -180,7 +180,7 @@ def _fetch_leaf(leaves, values, leaf):  # type: ignore[no-untyped-def]
 
 @numba.njit(**ALLOCATION_FREE)
 def _traverse_chunk(points, tree, accuracy, workspace):  # type: ignore[no-untyped-def]
-    """One chunk of points (c, 3) through the whole tree; adds to the workspace's sums."""
+    """Take one chunk of points (c, 3) through the whole tree; adds to the workspace's sums."""
     # Tuples are taken apart here, once: reading them inside of the loop costs more than the loop does.
     depth, records, factors, leaves, values = tree
     chunk, active, level_of, counts = workspace.chunk, workspace.active, workspace.level_of, workspace.counts
@@ -220,7 +220,7 @@ def _traverse_chunk(points, tree, accuracy, workspace):  # type: ignore[no-untyp
 
 @numba.njit(**ALLOCATION_FREE)
 def _take_chunks(points, chunks, order, tree, accuracy, workspace, queue, target):  # type: ignore[no-untyped-def]
-    """One worker's share of the chunks."""
+    """Take chunks from the queue, as one of the workers."""
     sums, on_surface = workspace.sums, workspace.on_surface
     hits = on_surface, workspace.corners, workspace.linear
     chunk = take_work(queue)

@@ -93,7 +93,7 @@ def workspaces(leaves: Leaves, width: int, points: int, workers: int) -> Workspa
 
 @numba.njit(**ALLOCATION_FREE)
 def workspace_of(workspaces, worker):  # type: ignore[no-untyped-def]
-    """One worker's."""
+    """A workspace for one worker."""
     return Workspace(
         workspaces.chunk[worker],
         workspaces.active[worker],
