@@ -1,4 +1,4 @@
-"""What is shown and how it is computed: state, pipeline, runner and session, without any window."""
+"""State, pipeline, runner and session: contents of the display and their computation, without any window."""
 
 from idviewer.session.eigenpair_source import EigenpairSource
 from idviewer.session.picking import FramePicker, Probe, Target

@@ -13,7 +13,7 @@ SUFFIX = ".kept"
 
 
 class Found(NamedTuple):
-    """What looking for arrays gave.
+    """Result of looking for arrays.
 
     Attributes:
         header: of the file; empty if there is none.
@@ -42,7 +42,7 @@ class ArrayCache:
 
     @property
     def folder(self) -> Path:
-        """Where the files are."""
+        """The folder of the files."""
         return self._files.path
 
     @property

@@ -46,7 +46,7 @@ class BoundedFolder:
         self.path, self._suffix, self.limit = path, suffix, limit
 
     def file(self, stem: str) -> Path:
-        """Where the file of that name is, or would be."""
+        """The path where the file of that name is, or would be."""
         return self.path / f"{stem}{self._suffix}"
 
     def used(self, stem: str) -> None:

@@ -48,7 +48,7 @@ class FirstView:
 
     @property
     def header(self) -> Header:
-        """What JSON can hold of it."""
+        """The part of it that JSON can hold."""
         return {
             "barycentroid": self.barycentroid,
             "origin": self.plane.origin,
@@ -144,7 +144,7 @@ class CachedView:
 
 
 def _first_view(context: ShapeContext, query: Query) -> FirstView | None:
-    """What a query shows, if it is a slice through the barycentroid or next to it, all of which is there."""
+    """The view of a query, if it is a slice through the barycentroid or next to it, all of which is there."""
     point = context.found_barycentroid(query)
     if point is None or len(query.planes) != 1 or not query.distance.spectral:
         return None
@@ -157,7 +157,7 @@ def _first_view(context: ShapeContext, query: Query) -> FirstView | None:
 
 
 def _kind_steps(key: str, query: Query, spectrum: Spectrum) -> Generator[float, None, dict[str, Any]]:
-    """What a view depends on besides its shape: of what distance, and of which eigenvectors.
+    """Key of what a view depends on besides its shape: its distance, and the eigenvectors.
 
     Their signs, and in spaces of equal eigenvalues all of them, are another computation's whim.
     """

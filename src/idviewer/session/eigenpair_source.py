@@ -40,7 +40,7 @@ class EigenpairSource:
         self._writing: Resumable[float | None, None] = Resumable()
 
     def remarks(self, shape: Shape) -> tuple[str, ...]:
-        """What there is to say of a shape's eigenpairs, one sentence each."""
+        """Remarks on a shape's eigenpairs, one sentence each."""
         return self._remarks if self._of is not None and self._of() is shape else ()
 
     def steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
@@ -117,7 +117,7 @@ class EigenpairSource:
                 yield from self.keep_steps()
 
     def remark(self, sentence: str) -> None:
-        """Add what there is to say of the shape."""
+        """Add remarks on the shape."""
         self._remarks = (*self._remarks, sentence)
 
     def remark_unwritten(self, error: OSError) -> None:

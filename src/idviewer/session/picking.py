@@ -46,7 +46,7 @@ class FramePicker:
 
 
 def pick(shape: Shape, picker: FramePicker | None, ray: Ray, target: Target) -> Floats | None:
-    """(3,) the point a click means.
+    """The point (3,) that a click means.
 
     "slice-or-body" is the point of a slice, or of the body's near surface where no slice lies under the
     ray; "surface" is the near surface in any case; "chord" the middle of the first stretch inside. In a
@@ -76,7 +76,7 @@ class _Locator:
 
     @cached_property
     def _in_plane(self) -> Floats:
-        """(2, p) the slice's points in the plane's basis."""
+        """The slice's points (2, p) in the plane's basis."""
         return self.slice.plane.basis @ self.slice.points.T
 
     def value_at(self, point: Floats) -> float | None:

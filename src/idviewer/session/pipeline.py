@@ -43,7 +43,7 @@ from idviewer.session.state import (
 
 Results = Generator[Result | None, None, None]
 Cached = tuple[Spectrum | None, CachedView]
-"""What is kept of a shape from earlier runs: the eigenpairs asked for, and its first view."""
+"""Results kept of a shape from earlier runs: the eigenpairs asked for, and its first view."""
 
 QUIET_SECONDS = 0.3
 """For which a polygon's progress is not told."""
@@ -217,7 +217,7 @@ class Pipeline:
         return context
 
     def _centre(self, request: FrameRequest) -> Point | None:
-        """What stands for the barycentroid until it is found."""
+        """The point that stands for the barycentroid until it is found."""
         if _contains(request.shape, request.centre):
             return request.centre
         return None if self._previews is None else self._previews.centre(request.shape)

@@ -15,7 +15,7 @@ DRAG_MARGIN_SHARE = 0.002
 
 
 class PlaneOwner(Protocol):
-    """What holds the planes; a `Session` is one."""
+    """Owner of the planes; a `Session` is one."""
 
     state: State
     frame: Frame | None
@@ -95,7 +95,7 @@ class PlaneCommands:
         self.replace(plane.moved(float(np.clip(0.0, low + margin, high - margin))))
 
     def fraction_of(self, shape: Shape, plane: Plane) -> float:
-        """Where the plane lies along its normal: 0 at the shape's lowest point, 1 at its highest.
+        """Position of the plane along its normal: 0 at the shape's lowest point, 1 at its highest.
 
         Less than 0 or more than 1 where it misses the shape.
         """

@@ -85,7 +85,7 @@ class ShapeContext:
         return self._latest
 
     def found_barycentroid(self, query: Query) -> Point | None:
-        """That of the query's distance and coordinates, if it is known."""
+        """The barycentroid of the query's distance and coordinates, if it is known."""
         return self._found.get(_kind(query))
 
     def barycentroid(self, query: Query) -> Point:

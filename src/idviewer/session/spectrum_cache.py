@@ -34,7 +34,7 @@ Cutoff = Callable[[float], float]
 
 
 class Lookup(NamedTuple):
-    """What looking for eigenpairs gave.
+    """Result of looking for eigenpairs.
 
     Attributes:
         spectrum: all eigenpairs asked for and no others; None if they are not there.
@@ -127,7 +127,7 @@ def cut_down(spectrum: Spectrum, cutoff: Cutoff) -> Spectrum:
 
 
 def key_steps(shape: Shape) -> Generator[float, None, str]:
-    """What tells a shape from all others, whatever its name, and this solver from others."""
+    """Key that tells a shape from all others, whatever its name, and this solver from others."""
     digest = hashlib.blake2b(f"{FORMAT_VERSION} {SOLVER_VERSION} {shape.dimension}".encode(), digest_size=20)
     for array, kind in ((shape.vertices, "<f8"), (shape.facets, "<i8")):
         digest.update(f" {array.shape}".encode())

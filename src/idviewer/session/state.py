@@ -22,7 +22,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Query:
-    """What to compute.
+    """The computation that is asked for.
 
     Attributes:
         planes: the slicing planes, each giving one slice; a polygon has one slice, in z = 0, in any case.
@@ -45,7 +45,7 @@ MAX_ISOLINES = 200
 
 @dataclass(frozen=True)
 class Display:
-    """How to look at it; nothing here makes the pipeline compute anything.
+    """Appearance of the result; nothing here makes the pipeline compute anything.
 
     Attributes:
         isolines: number of equal steps of the value range that isolines separate; 0 draws none.
