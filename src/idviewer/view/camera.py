@@ -20,7 +20,7 @@ FILL_MARGIN = 1.08
 VIEW_ANGLE_DEGREES = 30.0
 """Vertical field of view in degrees; in a parallel projection, that of the focal point's depth."""
 NEAREST_IN_DIAGONALS, FARTHEST_IN_DIAGONALS = 0.02, 20.0
-"""How near and how far the camera may go, in lengths of the bounding box's diagonal."""
+"""Smallest and largest distance of the camera, in lengths of the bounding box's diagonal."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Projection:
-    """What the window shows: world to pixels and back.
+    """Projection of the window: world to pixels and back.
 
     Pixels are Qt's, device-independent, counted from the upper left corner; a mouse position names a pixel's
     corner in device pixels, and the ray goes through that pixel's middle.
@@ -74,7 +74,7 @@ class Projection:
         return Ray(tuple(near), tuple(unit(far - near)))
 
     def project(self, points: ArrayLike) -> NDArray[np.float64]:
-        """(p, 3) positions to (p, 2) pixels."""
+        """Project positions (p, 3) to pixels (p, 2)."""
         return self._to_pixels(points)[:, :2]
 
     def pixel_size(self, point: ArrayLike) -> float:

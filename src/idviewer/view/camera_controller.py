@@ -18,7 +18,7 @@ BAR_SPACE_PX = 180
 RADIANS_PER_PX = np.pi / 500
 """Radians that the camera turns for a pixel."""
 ZOOM_PER_NOTCH = 0.88
-"""What one notch of the wheel multiplies the distance by."""
+"""Factor of the distance for one notch of the wheel."""
 
 
 class CameraController:

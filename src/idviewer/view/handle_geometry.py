@@ -27,7 +27,7 @@ MOVE_RING_RADIUS, ARROW_START = 0.22, 0.42
 MAX_PART_DISTANCE = 2.2
 """No part is farther from the middle on the screen, in ring radii, also where it comes near to the eye."""
 GRAB_DISTANCE_PX = 7.0
-"""How near, in pixels, the mouse must be to a part."""
+"""Largest distance, in pixels, at which the mouse hits a part."""
 MIN_ARROW_SINE = 0.2
 """Below this sine between the line of sight and the normal, the arrow would be a dot, and there is none."""
 
@@ -39,7 +39,7 @@ _SNAP_NORMALS /= np.linalg.norm(_SNAP_NORMALS, axis=1, keepdims=True)
 
 
 class Part(Enum):
-    """What of the handle can be grabbed."""
+    """Parts of the handle that can be grabbed."""
 
     PUSH = "push"
     TURN = "turn"
@@ -72,18 +72,18 @@ class Handle:
 
     @cached_property
     def ring(self) -> NDArray[np.float64]:
-        """(73, 3) positions around the ring; the last is the first."""
+        """Positions (73, 3) around the ring; the last is the first."""
         circle = np.column_stack([np.cos(_RING_ANGLES), np.sin(_RING_ANGLES)]) @ np.asarray(self.plane.basis)
         return self.origin + self.radius * circle
 
     @cached_property
     def arrow(self) -> NDArray[np.float64]:
-        """(2, 3) positions of its ends; the normal points to the second."""
+        """Positions (2, 3) of the arrow's ends; the normal points to the second."""
         return self.origin + np.outer([-1.0, 1.0], ARROW_HALF_LENGTH * self.radius * self.normal)
 
     @cached_property
     def sight(self) -> NDArray[np.float64]:
-        """(3, 3) unit vectors at the origin: to the right, upwards, towards the eye."""
+        """Unit vectors (3, 3) at the origin: to the right, upwards, towards the eye."""
         back = unit(self.eye - self.origin)
         right = unit(cross(self.up, back))
         return np.array([right, cross(back, right), back])

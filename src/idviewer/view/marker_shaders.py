@@ -5,7 +5,7 @@ from __future__ import annotations
 from idviewer.view.shaders import POSITION_TAG, Shader
 
 BALL_LIFT_SHARE = 0.01
-"""How much nearer to the eye a ball is, as a share of its distance: a slice through it does not cut it."""
+"""Shift of a ball towards the eye, as a share of its distance: a slice through it does not cut it."""
 
 # Only the depth is moved. The depth of a point that is nearer by a share of its distance follows from the
 # rows of the projection; in a parallel one, the distance is that from which 30 degrees see the same height.

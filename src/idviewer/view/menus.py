@@ -1,4 +1,4 @@
-"""The menu bar as a table: what there is, under which name, by which key."""
+"""The menu bar as a table: entries, names and keys."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from idviewer.view.handle_geometry import Drag, Part
 from idviewer.view.vertex_geometry import VertexDrag
 
 Hit = Part | int
-"""What the mouse can hit and grab: a part of the plane's handle, or a polygon's vertex by its number."""
+"""Things that the mouse can hit and grab: a part of the plane's handle, or a polygon's vertex by number."""
 
 CLICK_MAX_MOVE_PX, CLICK_MAX_MS = 4.0, 800
 """A click moves less than so many device-independent pixels and lasts less than so many milliseconds."""
@@ -23,7 +23,7 @@ _CURSORS = {
 
 @dataclass
 class MouseState:
-    """What the mouse is doing while a button is down."""
+    """State of the mouse while a button is down."""
 
     at: QPointF
     button: Qt.MouseButton

@@ -34,7 +34,7 @@ from idviewer.view.polygon_view import is_2d
 
 @dataclass(frozen=True)
 class Calls:
-    """What the controls may do: change fields of the query or the display, and say what cannot be done."""
+    """Calls that controls may make: change fields of the query or the display, say what cannot be done."""
 
     set: Callable[..., None]
     complain: Callable[[str], None]
@@ -72,7 +72,7 @@ class Panel(QScrollArea):
 
 
 class SourceGroup(QGroupBox):
-    """Where distances are measured from."""
+    """Controls of the source, from which distances are measured."""
 
     def __init__(self, calls: Calls) -> None:
         super().__init__("Source")
@@ -135,7 +135,7 @@ class SourceGroup(QGroupBox):
 
 
 class ShowGroup(QGroupBox):
-    """Which quantity, and how it looks."""
+    """Controls of the quantity shown, and of its look."""
 
     def __init__(self, calls: Calls) -> None:
         super().__init__("Show")

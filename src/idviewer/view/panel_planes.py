@@ -34,7 +34,7 @@ class _Calls(Protocol):
 
 
 class PlanesGroup(QGroupBox):
-    """Which planes there are, and where the active one is."""
+    """Controls of the planes, and of the active one's position."""
 
     def __init__(self, calls: _Calls, commands: PlaneCommands) -> None:
         super().__init__("Slicing planes")

@@ -16,7 +16,7 @@ from idviewer.core.arrays import in_space
 
 
 class Place:
-    """Where a body is and how large: the card gets coordinates between -1 and 1.
+    """Position and size of a body: the card gets coordinates between -1 and 1.
 
     It works in single precision; a body far from the origin would tremble, and a tiny one vanish.
     """
@@ -27,7 +27,7 @@ class Place:
         self.size = float(np.linalg.norm(upper - lower)) or 1.0
 
     def local(self, positions: NDArray[np.float64]) -> vtkPoints:
-        """(p, 3) positions, or (p, 2) of a polygon, in the body's own coordinates."""
+        """Positions (p, 3), or (p, 2) of a polygon, in the body's own coordinates."""
         return as_points((in_space(positions) - self.centre) / self.size)
 
     def apply(self, actor: vtkActor) -> None:
@@ -44,14 +44,14 @@ def as_array(values: NDArray[Any], name: str = "") -> vtkDataArray:
 
 
 def as_points(positions: NDArray[np.floating]) -> vtkPoints:
-    """(p, 3) positions in single precision."""
+    """Positions (p, 3) in single precision."""
     points = vtkPoints()
     points.SetData(as_array(np.ascontiguousarray(positions, np.float32)))
     return points
 
 
 def as_cells(indices: NDArray[np.integer]) -> vtkCellArray:
-    """(c, k) indices of cells that have k points each."""
+    """Cells from indices (c, k), k points each."""
     cells = vtkCellArray()
     cells.SetData(indices.shape[1], as_array(np.ascontiguousarray(indices, np.int32).ravel()))
     return cells

@@ -26,7 +26,7 @@ TITLE_SIZE_PX, LABEL_SIZE_PX, NOTE_SIZE_PX = 15.0, 13.0, 12.0
 """Of letters, in pixels."""
 MAX_LABELS = 8
 ROUND_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
-"""What the difference of two labels may be, but for a power of ten."""
+"""Differences that two labels may have, but for a power of ten."""
 
 
 class ScaleBar:

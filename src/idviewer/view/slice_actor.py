@@ -30,7 +30,7 @@ COLOR_SHARE_UNDER_GLASS = 0.84
 
 
 class SliceActor:
-    """One plane's section.
+    """Actor of one plane's section.
 
     Attributes:
         base: the section itself, hidden or tinted by the body in front of it.

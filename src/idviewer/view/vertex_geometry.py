@@ -11,7 +11,7 @@ from idviewer.core.arrays import Floats, in_space
 from idviewer.view.camera import Projection
 
 VERTEX_GRAB_DISTANCE_PX = 8.0
-"""How near, in pixels, the mouse must be to a vertex."""
+"""Largest distance, in pixels, at which the mouse hits a vertex."""
 SOFT_DRAG_SHARE = 0.08
 """The share of its loop's length, to either side of a vertex, that follows it in a soft drag."""
 
@@ -43,7 +43,7 @@ class VertexDrag:
         return cls(polygon, vertex, polygon.vertices[vertex] - _under(projection, x, y))
 
     def to(self, projection: Projection, x: float, y: float, soft: bool = False) -> Floats:
-        """(n, 2) the vertices when the mouse is at (x, y); in a soft drag the neighbours follow."""
+        """The vertices (n, 2) when the mouse is at (x, y); in a soft drag the neighbours follow."""
         way = _under(projection, x, y) + self.held - self.polygon.vertices[self.vertex]
         if soft:
             return self.polygon.vertices + soft_drag_weights(self.polygon, self.vertex)[:, None] * way
@@ -53,7 +53,7 @@ class VertexDrag:
 
 
 def soft_drag_weights(polygon: Polygon, vertex: int, reach: float = SOFT_DRAG_SHARE) -> Floats:
-    """(n,) the share of a vertex's way that each vertex goes in a soft drag.
+    """The share of a vertex's way that each vertex goes in a soft drag, (n,).
 
     1 for itself, and (1 - (s / r)^2)^2 at the distance s along the outline, which ends smoothly at r.
 
@@ -73,5 +73,5 @@ def soft_drag_weights(polygon: Polygon, vertex: int, reach: float = SOFT_DRAG_SH
 
 
 def _under(projection: Projection, x: float, y: float) -> Floats:
-    """(2,) where the line of sight meets the plane z = 0, on which it is looked straight down."""
+    """The point (2,) where the line of sight meets the plane z = 0, on which it is looked straight down."""
     return np.array(projection.ray(x, y).origin[:2])

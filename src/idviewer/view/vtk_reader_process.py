@@ -40,7 +40,7 @@ TRIANGLE, STRIP, POLYGON, PIXEL, QUAD = 5, 6, 7, 8, 9
 
 
 class DamagedError(ValueError):
-    """What is wrong with the file, in words for its owner."""
+    """A damaged file; the message tells its owner what is wrong with it."""
 
 
 def read(data: bytes) -> dict[str, NDArray]:
