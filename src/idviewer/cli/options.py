@@ -27,7 +27,7 @@ NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default
 @Parameter(name="*")
 @dataclass(frozen=True)
 class DistanceOptions:
-    """Which distance is carried inside, and by what.
+    """The distance that is carried inside, and its coordinates.
 
     Attributes:
         distance: The boundary distance that is carried inside; listed below.
@@ -45,7 +45,7 @@ class DistanceOptions:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class PictureQuery:
-    """What a picture is to show.
+    """Contents of a picture.
 
     Attributes:
         source: Where distances are measured from.
@@ -61,7 +61,7 @@ class PictureQuery:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class DisplayOptions:
-    """How a picture is to look.
+    """Appearance of a picture.
 
     Attributes:
         isolines: Number of equal steps that isolines separate; 0 draws none.
@@ -99,7 +99,7 @@ class Endpoints:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ReadingOptions:
-    """How a shape and its eigenpairs are read.
+    """Options for reading a shape and its eigenpairs.
 
     Attributes:
         component: Which of a mesh's components to take, 1 for the largest.

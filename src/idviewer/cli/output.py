@@ -1,4 +1,4 @@
-"""How the command line writes results: JSON and tables."""
+"""Output of the command line: JSON and tables."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ WINDOW_LIBRARIES = {
     "libxkbcommon.so.0": "libxkbcommon0",
 }
 XCB_LIBRARIES = {"libxcb-cursor.so.0": "libxcb-cursor0", "libxkbcommon-x11.so.0": "libxkbcommon-x11-0"}
-"""What Qt and VTK end the process without, and the packages that have it on Debian and Ubuntu."""
+"""Libraries without which Qt and VTK end the process, and their packages on Debian and Ubuntu."""
 
 
 def path_of(name: str) -> Path:
@@ -159,7 +159,7 @@ def check_picture_path(path: Path) -> None:
 
 
 def why_no_display() -> str:
-    """Why no window can be opened; empty where one can."""
+    """The reason why no window can be opened; empty where one can."""
     if sys.platform in ("win32", "darwin") or os.environ.get("WAYLAND_DISPLAY"):
         return ""
     name = os.environ.get("DISPLAY")
