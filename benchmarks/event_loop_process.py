@@ -21,7 +21,7 @@ from idviewer import app
 from idviewer.core import Plane, Polygon, Shape, read_mesh, sample_path
 from idviewer.session.runner import Work
 from idviewer.session.state import Frame, FrameRequest
-from idviewer.view.post import Post
+from idviewer.view.gui_thread import Post
 from idviewer.view.viewport import Viewport
 from idviewer.view.window import MainWindow
 

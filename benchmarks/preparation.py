@@ -11,7 +11,7 @@ from table import Bar, Row
 from timing import seconds_of, take_turns
 
 from idviewer.core import Geodesic, InteriorDistance, Mesh, read_mesh, sample_path
-from idviewer.core.distances.geodesics import Geodesics
+from idviewer.core.distances.geodesic_solvers import Geodesics
 
 TITLE = "The check of a mesh, and the geodesic embedding"
 NOTE = (

@@ -35,7 +35,7 @@ from table import Row, markdown, put_into
 
 from idviewer.core import read_mesh, sample_path
 from idviewer.core.compilation import compile_steps
-from idviewer.core.io.samples import DEFAULT_SAMPLE
+from idviewer.core.io.bundled_shapes import DEFAULT_SAMPLE
 from idviewer.core.steps import finish
 
 ROOT = Path(__file__).parents[1]

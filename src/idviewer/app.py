@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QApplication
 from idviewer.core import sample_path
 from idviewer.core.io import DEFAULT_SAMPLE
 from idviewer.session import Session, SpectrumCache, Work
-from idviewer.view.post import Post
+from idviewer.view.gui_thread import Post
 from idviewer.view.vtk_files import register_vtk_reader
 from idviewer.view.window import MainWindow
 

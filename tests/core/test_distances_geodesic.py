@@ -20,7 +20,7 @@ from idviewer.core import (
     sample_path,
 )
 from idviewer.core.distances.classical_mds import classical_mds_steps, double_centred, landmark_mds_steps
-from idviewer.core.distances.geodesics import Geodesics, landmark_steps
+from idviewer.core.distances.geodesic_solvers import Geodesics, landmark_steps
 from idviewer.core.distances.spectral import percentage
 from idviewer.core.interior.embedded_points import squares_of
 from idviewer.core.steps import finish

@@ -13,7 +13,7 @@ from idviewer.core.io.gltf import read_glb, read_gltf
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.mesh import Mesh
-from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.validation.polygon_soup import triangulated
 
 TETRAHEDRON = shapes.tetrahedron()

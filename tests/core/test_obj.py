@@ -8,7 +8,7 @@ from tests.core import meshfiles, shapes
 
 from idviewer.core.io.obj import read_obj
 from idviewer.core.io.text import UnreadableError
-from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
 
 OBJ_POINTS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 OBJ_FACES = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.core import shapes
 
-from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
 
 

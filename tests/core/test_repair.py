@@ -13,7 +13,7 @@ from tests.core import shapes
 
 from idviewer.core.shapes.diagnosis import diagnose
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
 
 
 class Faults(NamedTuple):

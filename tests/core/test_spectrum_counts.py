@@ -15,7 +15,7 @@ from tests.core import shapes
 
 import idviewer.core.spectrum.eigen_solver as spectrum_module
 from idviewer.core import Mesh, MeshError, Spectrum, eigenpairs, laplacian_of, masses_of
-from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.spectrum.eigen_solver import EigenSolverSettings
 from idviewer.core.spectrum.krylov_eigenpairs import KRYLOV
 

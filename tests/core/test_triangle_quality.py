@@ -9,7 +9,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from tests.core import shapes
 
 from idviewer.core import Mesh, MeshError, diagnose, laplacian_of, masses_of
-from idviewer.core.shapes.repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.spectrum import intrinsic_laplacian as intrinsic
 from idviewer.core.spectrum.laplacian import cotangent_laplacian, voronoi_areas
 

@@ -9,7 +9,8 @@ from tests.session.bodies import egg
 from idviewer.core import Euclidean, InteriorDistance, Plane
 from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.core.sampling.plane_samples import PlaneSamples
-from idviewer.session import eigenpair_source, kernels
+from idviewer.session import eigenpair_source
+from idviewer.session import kernel_compilation as kernels
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import (
     DropRequest,

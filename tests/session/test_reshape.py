@@ -9,7 +9,7 @@ from tests.session.bodies import WatchedSession, egg
 from idviewer.core import Diffusion, Euclidean, InteriorDistance, Polygon, PolygonError
 from idviewer.core.sampling import POLYGON_PLANE
 from idviewer.core.shapes.rays import Ray
-from idviewer.session import kernels as kernels_module
+from idviewer.session import kernel_compilation as kernels_module
 from idviewer.session.pipeline import Pipeline, run_to_end
 from idviewer.session.state import Frame, FrameRequest, Query
 

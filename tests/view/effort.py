@@ -12,7 +12,7 @@ import pytest
 
 from idviewer import app
 from idviewer.view import polydata
-from idviewer.view.post import Post
+from idviewer.view.gui_thread import Post
 from idviewer.view.viewport import Viewport
 
 CALLS, POSTS, DRAWS, LOOKS, ARRAYS, BYTES = "calls", "posts", "draws", "looks", "arrays", "bytes"

@@ -10,7 +10,7 @@ from pytestqt.qtbot import QtBot
 from tests.view.mouse import Mouse
 from tests.view.windows import Gate, show_window, wait_until_done, write_ellipsoid
 
-from idviewer.core.io.samples import sample_path
+from idviewer.core.io.bundled_shapes import sample_path
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.view.window import MainWindow

@@ -21,7 +21,7 @@ from tests.view.windows import grip, pixels_of, show_window, wait_until_done
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from idviewer.core import InteriorDistance, Plane
-from idviewer.core.io.samples import sample_path
+from idviewer.core.io.bundled_shapes import sample_path
 from idviewer.core.memory import release_free_memory
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.planes import axis_of

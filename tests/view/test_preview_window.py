@@ -7,7 +7,7 @@ from pytestqt.qtbot import QtBot
 from tests.view.windows import show_window
 
 from idviewer.core.interior import preview
-from idviewer.core.io.samples import sample_path
+from idviewer.core.io.bundled_shapes import sample_path
 from idviewer.session.pipeline import Pipeline
 from idviewer.view.window import MainWindow
 

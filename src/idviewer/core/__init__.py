@@ -25,19 +25,19 @@ from idviewer.core.distances import (
 from idviewer.core.errors import DistanceError, ShapeError
 from idviewer.core.interior.barycentroid import Barycentroid
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
-from idviewer.core.interior.one_off import interior_distance
+from idviewer.core.interior.single_call import interior_distance
 from idviewer.core.interior.solver import InteriorDistance
+from idviewer.core.io.bundled_shapes import sample_names, sample_path
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
-from idviewer.core.io.samples import sample_names, sample_path
 from idviewer.core.sampling.basis_samples import SourceError
 from idviewer.core.sampling.evaluation import slice_values
 from idviewer.core.sampling.sampled_slice import SliceValues
 from idviewer.core.shapes.diagnosis import diagnose
 from idviewer.core.shapes.mesh import Mesh, MeshError
+from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.polygon import Polygon, PolygonError
-from idviewer.core.shapes.repair import repair_mesh
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.slices.mesh_sections import Section, section
 from idviewer.core.slices.polygon_sections import polygon_section

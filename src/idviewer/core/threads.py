@@ -8,7 +8,7 @@ from functools import cache
 
 from threadpoolctl import ThreadpoolController
 
-from idviewer.core._kernels.simd.threads import use_threads
+from idviewer.core._kernels.parallel.threads import use_threads
 
 SINGLE_THREAD_VERTICES = 2000
 """Vertices of a shape up to which BLAS had better use one thread."""

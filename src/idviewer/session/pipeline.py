@@ -20,7 +20,7 @@ from idviewer.core.threads import few_threads, small_products
 from idviewer.session.cached_view import CachedView
 from idviewer.session.eigenpair_source import READING, REFINING, EigenpairSource
 from idviewer.session.frame_builder import SEARCHING, FrameBuilder
-from idviewer.session.kernels import Kernels
+from idviewer.session.kernel_compilation import Kernels
 from idviewer.session.previews import PreviewSource
 from idviewer.session.progress import PREPARING_SLICES, with_progress
 from idviewer.session.shape_context import ShapeContext

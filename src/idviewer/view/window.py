@@ -18,6 +18,7 @@ from idviewer.session import Frame, PlaneCommands, Progress, Session, State
 from idviewer.view import dialogs, images
 from idviewer.view.cache_menu import clear_cache, show_cache_size
 from idviewer.view.dialogs import PictureRequest
+from idviewer.view.gui_thread import Post
 from idviewer.view.help import HelpSheet
 from idviewer.view.menu_commands import menu_commands
 from idviewer.view.menus import enable_for, fill_menu_bar
@@ -25,7 +26,6 @@ from idviewer.view.message_bar import MessageBar
 from idviewer.view.panel import Calls, Panel
 from idviewer.view.polygon_edits import PolygonEdits
 from idviewer.view.polygon_view import is_2d
-from idviewer.view.post import Post
 from idviewer.view.status_line import StatusLine, describe_probe, hint_for
 from idviewer.view.viewport import Viewport
 

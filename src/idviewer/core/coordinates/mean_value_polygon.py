@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from idviewer.core._kernels.mean_value.outline import classify, mean_value
+from idviewer.core._kernels.mean_value.polygon_edges import classify, mean_value
 from idviewer.core.arrays import Floats, as_points
 from idviewer.core.coordinates.point_classification import Boundary, PointClassification
 from idviewer.core.shapes.shape import Shape

@@ -12,8 +12,8 @@ from idviewer.core._kernels import LANES, thread_count
 from idviewer.core._kernels.treecode.bisection import bisection_order
 from idviewer.core._kernels.treecode.clusters import RECORD, Nodes, records_of, sum_level, sum_subtrees
 from idviewer.core._kernels.treecode.expansion import COEFFICIENTS, ORDER, TABLES
-from idviewer.core._kernels.treecode.factors import Factors, Plan, factor_workspaces
 from idviewer.core._kernels.treecode.leaf import leaves_of
+from idviewer.core._kernels.treecode.low_rank_factors import Factors, Plan, factor_workspaces
 from idviewer.core._kernels.treecode.moments import Source
 from idviewer.core._kernels.treecode.normalize import FIRST_VALUE, POSITION, Target
 from idviewer.core._kernels.treecode.point_lists import LEAST_WEIGHT_SUM

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.distances.classical_mds import EIGENVALUE_ROUNDING, landmark_mds_steps
-from idviewer.core.distances.geodesics import EXACT_GEODESICS, Geodesics, landmark_steps
+from idviewer.core.distances.geodesic_solvers import EXACT_GEODESICS, Geodesics, landmark_steps
 from idviewer.core.distances.parameters import Choice, Integer
 from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.distances.spectral import percentage
@@ -56,8 +56,8 @@ class Geodesic(Distance):
     Attributes:
         landmarks: how many; None stands for all vertices of shapes of up to 1,000, and 300 of others. As
             many as vertices, or more, is all pairs.
-        method: "heat" or "exact", see `idviewer.core.distances.geodesics.Geodesics`; on meshes "exact" needs
-            the extra `exact-geodesics`.
+        method: "heat" or "exact", see `Geodesics` in `geodesic_solvers.py`; on meshes "exact" needs the extra
+            `exact-geodesics`.
 
     >>> Geodesic(landmarks=2)
     Traceback (most recent call last):

@@ -11,8 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.array_input import ArrayInput, matrix_of
 from idviewer.core.distances.classical_mds import classical_mds_steps
+from idviewer.core.distances.matrix_input import ArrayInput, matrix_of
 from idviewer.core.distances.parameters import Choice, File
 from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, register_distance
 from idviewer.core.distances.spectral import percentage

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.array_input import ArrayInput, matrix_of
+from idviewer.core.distances.matrix_input import ArrayInput, matrix_of
 from idviewer.core.distances.parameters import File
 from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.shapes.shape import Shape

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
-from idviewer.core.distances.array_input import ArrayInput, as_array_input
+from idviewer.core.distances.matrix_input import ArrayInput, as_array_input
 
 LONGEST_SHOWN_VALUE = 60
 """Characters of a refused value that its error repeats."""

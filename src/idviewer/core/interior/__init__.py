@@ -4,7 +4,6 @@ from idviewer.core.interior.barycentroid import Barycentroid
 from idviewer.core.interior.embedded_points import extent
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.interpolation import ERROR_SHARE_OF_AN_END
-from idviewer.core.interior.one_off import interior_distance
 from idviewer.core.interior.preview import (
     EIGENPAIRS_STAGE,
     SIMPLIFYING_STAGE,
@@ -14,6 +13,7 @@ from idviewer.core.interior.preview import (
     preview_steps,
 )
 from idviewer.core.interior.preview_solver import preview_solver
+from idviewer.core.interior.single_call import interior_distance
 from idviewer.core.interior.solver import InteriorDistance, solver_steps
 
 __all__ = [

@@ -11,8 +11,8 @@ from idviewer.core.arrays import Floats
 from idviewer.core.io.gltf import read_glb, read_gltf
 from idviewer.core.io.obj import read_obj
 from idviewer.core.io.off import read_off
-from idviewer.core.io.outlines import read_csv, read_json, read_wkt
 from idviewer.core.io.ply import read_ply
+from idviewer.core.io.polygon_readers import read_csv, read_json, read_wkt
 from idviewer.core.io.stl import read_stl
 from idviewer.core.validation.polygon_soup import PolygonSoup
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.validation.polygon_soup import PolygonSoup, strips
-from idviewer.core.validation.repairs import without_unused_vertices
+from idviewer.core.validation.soup_repairs import without_unused_vertices
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}

@@ -10,7 +10,7 @@ from idviewer.core.io.formats import format_of, one_line
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnosis_of
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.shapes.repair import repaired_mesh
+from idviewer.core.shapes.mesh_repair import repaired_mesh
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 

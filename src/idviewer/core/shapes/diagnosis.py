@@ -18,7 +18,7 @@ from idviewer.core.shapes.shape import MeshLike
 from idviewer.core.validation.findings import Finding, Point
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
-from idviewer.core.validation.repairs import volume_and_area
+from idviewer.core.validation.soup_repairs import volume_and_area
 from idviewer.core.validation.validation_report import ValidationReport
 
 __all__ = ["Diagnosis", "Finding", "diagnose"]

@@ -15,7 +15,7 @@ from idviewer.core.shapes.face_boxes import Patches
 from idviewer.core.validation.findings import COMPONENT_KINDS, Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
-from idviewer.core.validation.repairs import side_vectors, volume_and_area
+from idviewer.core.validation.soup_repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
 from idviewer.core.validation.validation_report import ValidationReport

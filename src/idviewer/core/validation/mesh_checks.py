@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from idviewer.core.validation import repairs
+from idviewer.core.validation import soup_repairs as repairs
 from idviewer.core.validation.findings import Finding, counted, several, stated
 from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
 from idviewer.core.validation.tolerances import TOLERANCES

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
-from idviewer.core.validation.repairs import side_vectors
+from idviewer.core.validation.soup_repairs import side_vectors
 
 
 @dataclass(frozen=True)

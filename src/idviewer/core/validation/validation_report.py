@@ -7,7 +7,7 @@ import numpy as np
 from idviewer.core.arrays import Bools, Floats, Ints
 from idviewer.core.validation.findings import HARMLESS_KINDS, Finding
 from idviewer.core.validation.polygon_soup import PolygonSoup
-from idviewer.core.validation.repairs import without_unused_vertices
+from idviewer.core.validation.soup_repairs import without_unused_vertices
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality
 

@@ -1,1 +1,1 @@
-"""SIMD vectors, threads and the options of the compiler."""
+"""SIMD vectors, and the options of the compiler."""

@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 from idviewer.core._kernels.simd.lanes import LANES
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
 from idviewer.core._kernels.treecode.expansion import ORDER
-from idviewer.core._kernels.treecode.factors import Factors, Plan, bound_errors, factor, factor_workspace_of
+from idviewer.core._kernels.treecode.low_rank_factors import (
+    Factors,
+    Plan,
+    bound_errors,
+    factor,
+    factor_workspace_of,
+)
 from idviewer.core._kernels.treecode.moments import add_shifted, clear_moments, copy_moments, leaf_moments
 from idviewer.core.arrays import Floats
 

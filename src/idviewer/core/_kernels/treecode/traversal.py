@@ -12,13 +12,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from idviewer.core._kernels.parallel.work_queue import take_work
 from idviewer.core._kernels.simd.lanes import LANES, at, bits, load, prefetch, splat, store
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE, OPTIONS
-from idviewer.core._kernels.simd.work_queue import take_work
 from idviewer.core._kernels.treecode.clusters import BOUND, CLEAR, FIRST, RANK_AT, RECORD
 from idviewer.core._kernels.treecode.expansion import COUNTS, ORDER, expand
-from idviewer.core._kernels.treecode.factors import Factors
+from idviewer.core._kernels.treecode.factor_products import add_product, amounts_of
 from idviewer.core._kernels.treecode.leaf import Leaves, weigh_leaf
+from idviewer.core._kernels.treecode.low_rank_factors import Factors
 from idviewer.core._kernels.treecode.normalize import normalize
 from idviewer.core._kernels.treecode.point_lists import (
     ALL,
@@ -30,7 +31,6 @@ from idviewer.core._kernels.treecode.point_lists import (
     pick,
     split,
 )
-from idviewer.core._kernels.treecode.products import add_product, amounts_of
 from idviewer.core._kernels.treecode.workspace import workspace_of
 
 Floats32 = NDArray[np.float32]

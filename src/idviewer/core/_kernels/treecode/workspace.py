@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from idviewer.core._kernels.simd.lanes import LANES
 from idviewer.core._kernels.simd.options import ALLOCATION_FREE
 from idviewer.core._kernels.treecode.expansion import COEFFICIENTS
-from idviewer.core._kernels.treecode.factors import LARGEST_RANK
 from idviewer.core._kernels.treecode.leaf import Leaves
+from idviewer.core._kernels.treecode.low_rank_factors import LARGEST_RANK
 from idviewer.core._kernels.treecode.point_lists import ROWS
 from idviewer.core.arrays import Floats, Ints
 

@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from idviewer.core import read_polygon, read_shape
-from idviewer.core.io.samples import DEFAULT_SAMPLE, Sample, all_samples, sample_names, sample_path
+from idviewer.core.io.bundled_shapes import DEFAULT_SAMPLE, Sample, all_samples, sample_names, sample_path
 
 POSES = ("human", "human_walking", "human_sitting")
 
@@ -158,5 +158,5 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
 
 def test_an_installed_package_has_them_inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "assets").mkdir()
-    monkeypatch.setattr("idviewer.core.io.samples.files", lambda package: tmp_path)
+    monkeypatch.setattr("idviewer.core.io.bundled_shapes.files", lambda package: tmp_path)
     assert sample_path("cat") == tmp_path / "assets" / "cat.ply"

@@ -1,0 +1,1 @@
+"""Parallel loops: the number of threads, and work that they take piece by piece."""
