@@ -32,10 +32,10 @@ class CommuteTime(Distance):
     """Commute-time distance without truncation: d^2 = z^T L^+ z with z = w(p) - w(q); it has no parameter.
 
     Pairs of points, fields and the potential take one sparse solve a point, on shapes of any size. Slices
-    are sampled from a dense embedding of full rank, which only shapes of up to 4,000 vertices have; beyond,
-    `GPS` is the truncated form. The expected length of a random walk there and back is d^2 times the sum of
-    all degrees of the graph (Yen et al. 2007). Source: Rustamov et al. 2009, section 4 (class 2), eq. 2 with
-    A = L^+.
+    are sampled from a dense embedding of full rank, which only small shapes have (`CommuteTimeSettings`);
+    beyond, `GPS` is the truncated form. The expected length of a random walk there and back is d^2 times
+    the sum of all degrees of the graph (Yen et al. 2007). Source: Rustamov et al. 2009, section 4 (class
+    2), eq. 2 with A = L^+.
 
     >>> from idviewer.core import InteriorDistance, Polygon
     >>> square = InteriorDistance(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]]), CommuteTime())

@@ -54,8 +54,8 @@ class Geodesic(Distance):
     4; de Silva and Tenenbaum 2004.
 
     Attributes:
-        landmarks: how many; None stands for all vertices of shapes of up to 1,000, and 300 of others. As
-            many as vertices, or more, is all pairs.
+        landmarks: how many; None stands for all vertices of small shapes (`LandmarkSettings`). As many as
+            vertices, or more, is all pairs.
         method: "heat" or "exact", see `Geodesics` in `geodesic_solvers.py`; on meshes "exact" needs the extra
             `exact-geodesics`.
 

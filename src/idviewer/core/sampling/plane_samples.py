@@ -178,7 +178,7 @@ class PlaneSamples:
         extra, checked = self._settings.extra_midpoints, self._settings.checked_midpoints
         chosen = worst_and_some(nearby * lengths(mesh, ends), extra, checked)
         sampled = yield from self._rows_between(mesh, midpoints.at(chosen), 0)
-        # Half of those sampled were the worst: the other half and the random ones tell of what is left.
+        # Half of those sampled were the worst: the other half and those chosen evenly tell of what is left.
         errors = (sampled - midpoints.rows[chosen])[(extra - checked) // 2 :]
         errors = errors[np.isfinite(errors).all(axis=1)]
         midpoints.rows[chosen] = sampled

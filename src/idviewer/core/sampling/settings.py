@@ -14,7 +14,7 @@ class SamplingSettings:
         lattices: levels with a lattice of their own, at most; each is half as wide as the one before.
         extra_midpoints: midpoints of edges sampled at the first level besides, where interpolating would be
             worst.
-        checked_midpoints: of these, those taken at random among the others: they tell what interpolating
+        checked_midpoints: of these, those taken evenly among the others: they tell what interpolating
             costs elsewhere.
         neighbour_weight: how much the error expected at an edge's neighbours counts where edges are chosen.
         band_midpoints: midpoints of band edges sampled at finer levels, at most, for each node.

@@ -29,7 +29,7 @@ CONTAINER_LIMIT_FILES = (
 def needed_bytes(vertices: int) -> float:
     """About how many bytes it takes to open a mesh of so many vertices, at most at one time.
 
-    Measured from 27,000 to 540,000 vertices, from reading to slices; see docs/eigenpairs.md.
+    Measured from 27,000 to 540,000 vertices, from reading to slices; see docs/decisions.md.
 
     >>> round(needed_bytes(500_000) / 1e9, 1)
     5.3

@@ -1,4 +1,4 @@
-"""Triangle quality: how far thin triangles spoil the cotangent Laplacian. Measured in docs/eigenpairs.md."""
+"""Triangle quality: how far thin triangles spoil the cotangent Laplacian. Measured in docs/decisions.md."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class HalfEdges(NamedTuple):
         twins: (h,) int32 the half-edge that runs back.
         out: (n,) int32 a half-edge that starts at each vertex.
         degrees: (n,) int32 neighbours of each vertex; 0 for those in which the surface touches itself.
-        heirs: (n,) int32 the vertex into which each was collapsed, or itself.
+        parents: (n,) int32 the vertex into which each was collapsed, or itself.
     """
 
     points: Floats
