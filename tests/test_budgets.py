@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
@@ -105,8 +106,8 @@ def docstrings_that_keep_silent() -> Iterator[str]:
             if not node.decorator_list:
                 yield f"{place(path, node.lineno)}: {name} has no docstring"
             continue
-        untold = [one for one in parameters_of(node) if one not in text]
-        if untold and "Args:" not in text and len(parameters_of(node)) > 1:
+        untold = [one for one in parameters_of(node) if not re.search(rf"\b{one}\b", text)]
+        if untold and len(parameters_of(node)) > 1:
             yield f"{place(path, node.lineno)}: the docstring of {name} says nothing of {', '.join(untold)}"
         if raises(node) and "Raises:" not in text:
             yield f"{place(path, node.lineno)}: {name} raises, and its docstring has no Raises:"

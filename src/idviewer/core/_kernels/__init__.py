@@ -1,8 +1,8 @@
 """Compiled loops; the only place that imports numba.
 
-`simd` has vectors, threads and numba's options. On it stand `mean_value` (coordinates of points, exactly),
-`geometry` (closest points, edge collapses) and `linear_algebra` (tall-skinny products, triangular solves);
-on `mean_value` stands `treecode` (coordinates within a tolerance).
+`simd` has vectors and numba's options, `parallel` threads. On them stand `mean_value` (coordinates of points,
+exactly), `geometry` (closest points, edge collapses) and `linear_algebra` (tall-skinny products, triangular
+solves); on `mean_value` stands `treecode` (coordinates within a tolerance).
 
 The coordinates' notation is that of docs/mean_value.md: x a query point, u_i the unit vector from x to vertex
 i, d_i its distance; for the triangle (1, 2, 3), s_jk = |u_j - u_k|^2 / 4 and c_jk = |u_j + u_k|^2 / 4 =
