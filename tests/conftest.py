@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
 import os
-import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -26,21 +24,7 @@ CORE = Path(__file__).parents[1] / "src" / "idviewer" / "core"
 CACHES = Path(__file__).parents[1] / ".numba_cache"
 
 
-def use_kernels_of_these_sources() -> None:
-    """Has numba cache compiled kernels by the content of their sources, before anything imports it.
-
-    Its own check looks at the file of a kernel alone: after an edit of what the kernel calls in another file,
-    it would go on with the machine code of before.
-    """
-    sources = sorted((CORE / "_kernels").rglob("*.py"))
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
-    for older in CACHES.glob("*"):
-        if older.name != digest:
-            shutil.rmtree(older, ignore_errors=True)
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHES / digest))
-
-
-use_kernels_of_these_sources()
+os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHES))  # before anything imports numba
 
 OPTIONS_OF = {
     "pytestqt": ["qt_api"],

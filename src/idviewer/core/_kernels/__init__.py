@@ -9,9 +9,18 @@ i, d_i its distance; for the triangle (1, 2, 3), s_jk = |u_j - u_k|^2 / 4 and c_
 1 - s_jk. Their points are in units of the bounding box's diagonal, about its centre.
 """
 
-from idviewer.core._kernels.mean_value.cache_blocks import Workspace, no_boundary_hits, workspaces_for
-from idviewer.core._kernels.mean_value.packets import thread_count, weigh
-from idviewer.core._kernels.simd.lanes import LANES
+from importlib import import_module
+from pkgutil import walk_packages
+
+from idviewer.core._kernels.machine_code import kept_by_sources
+
+with kept_by_sources():
+    for _module in sorted(one.name for one in walk_packages(__path__, f"{__name__}.")):
+        import_module(_module)
+
+    from idviewer.core._kernels.mean_value.cache_blocks import Workspace, no_boundary_hits, workspaces_for
+    from idviewer.core._kernels.mean_value.packets import thread_count, weigh
+    from idviewer.core._kernels.simd.lanes import LANES
 
 __all__ = [
     "LANES",
