@@ -25,7 +25,7 @@ test: system-test $(VENV)/installed-test ## the whole test suite (PYTEST_ARGS ar
 	@OPENBLAS_NUM_THREADS=1 $(PYTHON_IN) -m pytest --quiet --numprocesses 2 --dist worksteal $(PYTEST_ARGS)
 
 check: lint system-test $(VENV)/installed-test ## formatting, lint, types, import contracts and the fast tests, in under a minute
-	@OPENBLAS_NUM_THREADS=1 $(PYTHON_IN) -m pytest -q -m "not slow" --ignore=tests/view $(PYTEST_ARGS)
+	@OPENBLAS_NUM_THREADS=1 $(PYTHON_IN) -m pytest --quiet --numprocesses 2 --dist worksteal -m "not slow" --ignore=tests/view $(PYTEST_ARGS)
 
 lint: $(VENV)/installed-lint ## formatting, lint, types and import contracts alone
 	@$(PYTHON_IN) -m ruff format --check .
