@@ -132,8 +132,7 @@ def midpoints_of(mesh: SliceMesh, ends: Ints) -> Floats:
     >>> mesh.section.lift(midpoints_of(mesh, np.array([[0, 1]]))).tolist()
     [[2.0, 0.0, 0.0]]
     """
-    flat = np.concatenate([mesh.section.in_plane, mesh.nodes * mesh.spacing])
-    return 0.5 * (flat[ends[:, 0]] + flat[ends[:, 1]])
+    return 0.5 * (mesh.in_plane[ends[:, 0]] + mesh.in_plane[ends[:, 1]])
 
 
 def lengths(mesh: SliceMesh, ends: Ints) -> Floats:
@@ -150,8 +149,8 @@ def lengths(mesh: SliceMesh, ends: Ints) -> Floats:
     >>> lengths(mesh, np.array([[0, 2], [1, 2]])).tolist()
     [0.5, 0.4]
     """
-    flat = np.concatenate([mesh.section.in_plane, mesh.nodes * mesh.spacing])
-    return np.minimum(np.linalg.norm(flat[ends[:, 1]] - flat[ends[:, 0]], axis=1) / mesh.spacing, 2.0)
+    spans = mesh.in_plane[ends[:, 1]] - mesh.in_plane[ends[:, 0]]
+    return np.minimum(np.linalg.norm(spans, axis=1) / mesh.spacing, 2.0)
 
 
 def around(expected: Floats, sides: Ints, weight: float) -> Floats:

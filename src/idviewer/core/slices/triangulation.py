@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import manifold3d
 import numpy as np
@@ -47,10 +48,15 @@ class SliceMesh:
     nodes: Ints
     triangles: NDArray[np.int32]
 
+    @cached_property
+    def in_plane(self) -> Floats:
+        """The points in the plane's basis, (s + q, 2)."""
+        return np.concatenate([self.section.in_plane, self.nodes * self.spacing])
+
     @property
     def points(self) -> Floats:
         """Positions (s + q, 3): the outline, then the nodes."""
-        return self.section.lift(np.concatenate([self.section.in_plane, self.nodes * self.spacing]))
+        return self.section.lift(self.in_plane)
 
     @property
     def node_points(self) -> Floats:
