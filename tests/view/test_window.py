@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QSize
+from PySide6.QtGui import QScreen
 from PySide6.QtWidgets import QFileDialog, QWidget
 from pytestqt.qtbot import QtBot
 from tests.core import shapes
@@ -26,6 +28,7 @@ from tests.view.windows import (
 )
 from trimesh import Trimesh
 
+from idviewer.app import make_window
 from idviewer.session.pipeline import Pipeline
 from idviewer.view.status_line import EMPTY_HINT, MESH_HINT
 from idviewer.view.window import MainWindow
@@ -251,3 +254,13 @@ def test_an_empty_window_does_nothing_and_closes(qtbot: QtBot, mouse: Mouse) -> 
     assert window.session.state.shape is None
     mouse.key("ctrl+q")
     qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_it_fits_on_a_small_screen(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(QScreen, "availableSize", lambda screen: QSize(1280, 720))
+    window = make_window(Pipeline().results)
+    qtbot.addWidget(window)
+    with qtbot.waitExposed(window):
+        window.show()
+    assert (window.width(), window.height()) == (1280, 720)
+    assert window.status.geometry().bottom() < 720

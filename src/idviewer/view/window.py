@@ -92,7 +92,8 @@ class MainWindow(QMainWindow):
         self.setStatusBar(self.status)
         self.setAcceptDrops(True)
         self.setWindowTitle("idviewer")
-        self.resize(1280, 840)
+        # The status line is lowest: it tells of progress, and had better not lie below the screen.
+        self.resize(QSize(1280, 840).boundedTo(self.screen().availableSize()))
 
     def _menu_commands(self) -> dict[str, Callable[[], object]]:
         """Callables of the menus' lines that need the window, by their names."""
