@@ -96,6 +96,7 @@ class TestPolygons:
             "vertices": "6",
             "loops": "1 (no holes)",
             "bounding box": "(0, 0) to (4, 3)",
+            "unit": "not told by the file",
             "area": "6",
             "perimeter": "14",
             "faults": "none",

@@ -30,9 +30,9 @@ def file_of(folder: Path, name: str) -> Path:
 def test_further_suffixes_are_read_by_what_was_added(tmp_path):
     seen = []
 
-    def read(data, path):
-        seen.append(path)
-        return read_off(data)
+    def read(source):
+        seen.append(source.path)
+        return read_off(source.data)
 
     add_reader((".Foo", ".bar"), read)
     assert {".foo", ".bar"} <= set(readable_suffixes(3))
@@ -51,7 +51,7 @@ def test_further_suffixes_are_read_by_what_was_added(tmp_path):
     ],
 )
 def test_errors_of_added_readers_become_one_line(tmp_path, error, told):
-    def read(data, path):
+    def read(source):
         raise error
 
     add_reader((".foo",), read)

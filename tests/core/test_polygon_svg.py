@@ -76,9 +76,9 @@ def test_svg_elements_are_told_by_their_id(tmp_path):
     )
     file = written(tmp_path, "three.svg", drawing(body))
     assert read_polygon(file).area == 4.0
-    assert read_polygon(file, element="r").area == 1.0
-    assert read_polygon(file, element="p").area == 8.0
+    assert read_polygon(file, part="r").area == 1.0
+    assert read_polygon(file, part="p").area == 8.0
     with pytest.raises(PolygonError, match=r"three.svg: .*no shape in it has the id 'q'; there are: r, p"):
-        read_polygon(file, element="q")
-    with pytest.raises(PolygonError, match="only SVG drawings have elements"):
-        read_polygon(written(tmp_path, "square.csv", CSV), element="r")
+        read_polygon(file, part="q")
+    with pytest.raises(PolygonError, match="it holds one shape, and no part 'r'"):
+        read_polygon(written(tmp_path, "square.csv", CSV), part="r")

@@ -34,14 +34,16 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWrit
 from idviewer.cli import shape_info
 from idviewer.cli.parsing import shape_of
 from idviewer.core import Mesh, MeshError, read_mesh, repair_mesh
-from idviewer.core.io import UnreadableError, formats, readable_suffixes
+from idviewer.core.io import FileSource, UnreadableError, formats, readable_suffixes
+from idviewer.view import vtk_reader_process
 from idviewer.view.vtk_files import VTK_SUFFIXES, read_vtk, register_vtk_reader
-from idviewer.view.vtk_reader_process import read
 
 ASCII, BINARY, APPENDED = range(3)
 COMPRESSORS = ["NONE", "ZLIB", "LZ4", "LZMA"]  # as VTK numbers them
 
-HERE = Path("here.vtp")
+
+def read(data: bytes):
+    return read_vtk(FileSource(data, Path("here.vtp")))
 
 
 def polydata(vertices, polygons, single: bool = False) -> vtkPolyData:
@@ -125,7 +127,7 @@ def test_every_way_of_writing(tmp_path, mode, compressor):
         data = polydata(vertices, polygons, bool(single))
         # 64-byte blocks, so that arrays have several, the last one not full.
         how = {"header": header, "ids": ids, "encode": encode, "order": order, "block": 64}
-        arrays = read(written(tmp_path, data, mode, compressor, **how))
+        arrays = vtk_reader_process.read(written(tmp_path, data, mode, compressor, **how))
         assert np.array_equal(arrays["points"], vertices)
         assert arrays["polygon_sizes"].tolist() == [len(polygon) for polygon in polygons]
         assert arrays["polygon_corners"].tolist() == [corner for polygon in polygons for corner in polygon]
@@ -140,7 +142,7 @@ def test_several_pieces_are_joined(tmp_path):
     sizes = sphere.GetOutput().GetNumberOfPoints(), sphere.GetOutput().GetNumberOfPolys()
     data = written(tmp_path, sphere, APPENDED, "ZLIB", pieces=4)
     assert data.count(b"<Piece") == 4
-    soup = read_vtk(data, HERE)
+    soup = read(data)
     mesh = repair_mesh(soup.vertices, soup.corners.reshape(-1, 3))
     assert (len(mesh.vertices), len(mesh.faces)) == sizes
 
@@ -152,7 +154,7 @@ def test_strips(tmp_path):
     stripper.Update()
     assert stripper.GetOutput().GetNumberOfStrips() > 1
     for mode in (ASCII, BINARY, APPENDED):
-        soup = read_vtk(written(tmp_path, stripper.GetOutput(), mode), HERE)
+        soup = read(written(tmp_path, stripper.GetOutput(), mode))
         assert len(soup.sizes) == len(faces)
         mesh = repair_mesh(soup.vertices, soup.corners.reshape(-1, 3))
         assert mesh.notes == ()
@@ -162,7 +164,7 @@ def test_strips(tmp_path):
 @pytest.mark.parametrize("binary", [False, True])
 def test_legacy_files(tmp_path, binary):
     vertices, polygons = shapes.extruded(shapes.L_OUTLINE)
-    soup = read_vtk(legacy(tmp_path, vtkPolyDataWriter(), polydata(vertices, polygons), binary), HERE)
+    soup = read(legacy(tmp_path, vtkPolyDataWriter(), polydata(vertices, polygons), binary))
     assert np.array_equal(soup.vertices, vertices)
     assert soup.sizes.tolist() == [len(polygon) for polygon in polygons]
     assert soup.corners.tolist() == [corner for polygon in polygons for corner in polygon]
@@ -179,7 +181,7 @@ def test_the_flat_cells_of_an_unstructured_grid(tmp_path, xml):
         (VTK_QUAD, [3, 2, 1, 0]),
         (VTK_POLYGON, [0, 2, 4, 6, 7]),
     ]
-    soup = read_vtk(grid_file(tmp_path, grid(cells), xml), HERE)
+    soup = read(grid_file(tmp_path, grid(cells), xml))
     assert len(soup.vertices) == 8
     assert soup.sizes.tolist() == [3, 4, 4, 5, 3, 3]
     turned_strip = [1, 2, 3, 3, 2, 4]
@@ -190,16 +192,16 @@ def test_the_flat_cells_of_an_unstructured_grid(tmp_path, xml):
 def test_a_grid_of_volumes_is_refused(tmp_path, xml):
     data = grid_file(tmp_path, grid([(VTK_TETRA, [0, 1, 2, 4])]), xml)
     with pytest.raises(UnreadableError, match="cells that are no polygons; extract the surface"):
-        read_vtk(data, HERE)
+        read(data)
 
 
 def test_other_data_are_refused_by_their_name(tmp_path):
     with pytest.raises(UnreadableError, match="it holds STRUCTURED_POINTS, not POLYDATA or UNSTRUCTURED"):
-        read_vtk(b"# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET STRUCTURED_POINTS\n", HERE)
+        read(b"# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET STRUCTURED_POINTS\n")
     with pytest.raises(UnreadableError, match="it holds ImageData, not PolyData or UnstructuredGrid"):
-        read_vtk(b'<?xml version="1.0"?><VTKFile type="ImageData"></VTKFile>', HERE)
+        read(b'<?xml version="1.0"?><VTKFile type="ImageData"></VTKFile>')
     with pytest.raises(UnreadableError, match="truncated, or no file of VTK"):
-        read_vtk(b"solid cube", HERE)
+        read(b"solid cube")
 
 
 @pytest.mark.one_is_quick
@@ -209,17 +211,17 @@ def test_truncated_files_are_refused(tmp_path, compressor, encode):
     whole = written(tmp_path, polydata(*shapes.cube()), APPENDED, compressor, encode=encode)
     for size in (0, 40, len(whole) // 2, len(whole) - 30, len(whole) - 5):
         with pytest.raises(UnreadableError, match="truncated"):
-            read_vtk(whole[:size], HERE)
+            read(whole[:size])
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("binary", [False, True])
 def test_truncated_legacy_files_are_refused_or_hold_no_polygons(tmp_path, binary):
     whole = legacy(tmp_path, vtkPolyDataWriter(), polydata(*shapes.cube()), binary)
-    reference = read_vtk(whole, HERE)
+    reference = read(whole)
     for size in range(0, len(whole), len(whole) // 12):
         try:
-            soup = read_vtk(whole[:size], HERE)
+            soup = read(whole[:size])
         except UnreadableError:
             continue
         if len(soup.sizes):
@@ -236,7 +238,7 @@ def test_damaged_files_end_in_one_line(tmp_path, compressor, capfd):
         damaged = bytearray(whole)
         damaged[rng.integers(len(damaged))] = rng.integers(256)
         with suppress(UnreadableError):  # many a byte is that of a coordinate
-            read_vtk(bytes(damaged), HERE)
+            read(bytes(damaged))
     assert capfd.readouterr() == ("", "")
 
 
@@ -245,7 +247,7 @@ def test_what_ends_the_process_of_the_reader_ends_no_other(tmp_path):
     whole = written(tmp_path, polydata(*shapes.cube()), APPENDED, encode=0)
     end = whole.rindex(b"</AppendedData>")
     with pytest.raises(UnreadableError, match="truncated or damaged"):
-        read_vtk(whole[: end - 100] + whole[end - 1 :], HERE)
+        read(whole[: end - 100] + whole[end - 1 :])
 
 
 @pytest.mark.parametrize(
@@ -264,7 +266,7 @@ def test_files_that_contradict_themselves(old, new, message):
     data = meshfiles.vtp(*shapes.cube())
     assert old in data
     with pytest.raises(UnreadableError, match=message):
-        read_vtk(data.replace(old, new), HERE)
+        read(data.replace(old, new))
 
 
 def test_the_reader_is_named_without_loading_vtk():
@@ -288,7 +290,7 @@ def test_when_registered_they_are_read_like_other_files(tmp_path, monkeypatch):
 def test_the_command_line_reads_them(tmp_path):
     path = tmp_path / "cube.vtp"
     path.write_bytes(meshfiles.vtp(*shapes.cube()))
-    text, usable = shape_info.mesh("cube", path, json=False)
+    text, usable = shape_info.mesh("cube", path, None, json=False)
     assert usable
     assert "12" in text
     assert shape_of(str(path)).volume == pytest.approx(1.0)

@@ -21,6 +21,7 @@ from idviewer.cli.options import (
     Endpoints,
     Flag,
     NoCache,
+    PartName,
     PictureQuery,
     ReadingOptions,
 )
@@ -89,7 +90,7 @@ def render(
     commands.check_picture(query, display)
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
-    commands.draw_picture(parsing.shape_of(shape, reading.component), out, chosen, query, display, cache)
+    commands.draw_picture(parsing.shape_of(shape, reading), out, chosen, query, display, cache)
 
 
 @app.command
@@ -120,7 +121,7 @@ def distance(
         )
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
-    print(answer(endpoints, lambda: parsing.shape_of(shape, reading.component), chosen, cache, json))
+    print(answer(endpoints, lambda: parsing.shape_of(shape, reading), chosen, cache, json))
 
 
 @app.command
@@ -139,9 +140,7 @@ def barycentroid(
         json: Print JSON.
     """
     chosen = distance_options.chosen_distance(options)
-    solver = commands.solver_of(
-        parsing.shape_of(shape, reading.component), chosen, commands.cache_of(reading.no_cache)
-    )
+    solver = commands.solver_of(parsing.shape_of(shape, reading), chosen, commands.cache_of(reading.no_cache))
     found = solver.barycentroid()
     commands.print_remarks(commands.remarks_on_weights(solver))
     if json:
@@ -152,18 +151,19 @@ def barycentroid(
 
 
 @app.command
-def info(shape: str, /, *, json: Flag = False) -> int:
+def info(shape: str, /, *, part: PartName = None, json: Flag = False) -> int:
     """Print a shape's sizes and everything that is wrong with it; exit status 2 if it cannot be used.
 
     Args:
         shape: A file, or the name of a bundled shape.
+        part: Which of several shapes in a file to take, by its name.
         json: Print JSON.
     """
     from idviewer.cli import shape_info
 
     path = parsing.path_of(shape)
     report = shape_info.polygon if shape_info.is_polygon(path) else shape_info.mesh
-    text, usable = report(shape, path, json)
+    text, usable = report(shape, path, part, json)
     print(text)
     return 0 if usable else BAD_INPUT
 

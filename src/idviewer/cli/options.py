@@ -21,6 +21,7 @@ ParameterTexts = Annotated[
     tuple[str, ...],
     Parameter(allow_leading_hyphen=True, negative="", show_default=False, metavar="NAME=VALUE"),
 ]
+PartName = Annotated[str | None, Parameter(metavar="NAME", allow_leading_hyphen=True)]
 NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
 
 
@@ -103,8 +104,10 @@ class ReadingOptions:
 
     Attributes:
         component: Which of a mesh's components to take, 1 for the largest.
+        part: Which of several shapes in a file to take, by its name.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
 
     component: Annotated[int | None, Parameter(metavar="N")] = None
+    part: PartName = None
     no_cache: NoCache = False

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from idviewer.cli.options import ReadingOptions
     from idviewer.core import Shape
 
 BARYCENTROID = "barycentroid"
@@ -52,13 +53,14 @@ def path_of(name: str) -> Path:
     raise FileNotFoundError(f"{name}: neither a file nor a bundled shape; {hint}")
 
 
-def shape_of(name: str, component: int | None = None) -> Shape:
+def shape_of(name: str, reading: ReadingOptions | None = None) -> Shape:
     """The mesh or polygon of that name; the repairs that it needed are told on standard error."""
     from idviewer.core import read_shape
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    shape = read_shape(path_of(name), component=component)
+    component, part = (None, None) if reading is None else (reading.component, reading.part)
+    shape = read_shape(path_of(name), component, part=part)
     for note in shape.notes:
         print(f"idviewer: {name}: {note}", file=sys.stderr)
     return shape

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from idviewer.core.shapes import Diagnosis
 
 TITLE_WIDTH = 16
+UNKNOWN_UNIT = "not told by the file"
 
 
 def is_polygon(path: Path) -> bool:
@@ -22,23 +23,23 @@ def is_polygon(path: Path) -> bool:
     return path.suffix.lower() in readable_suffixes(2) and not path.is_dir()
 
 
-def mesh(name: str, path: Path, json: bool) -> tuple[str, bool]:
+def mesh(name: str, path: Path, part: str | None, json: bool) -> tuple[str, bool]:
     """The report on a mesh, in words or JSON, and whether it can be used."""
     from idviewer.core.io import inspect_file
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    diagnosis = inspect_file(path)
+    diagnosis = inspect_file(path, part)
     text = output.as_json({"mesh": name, **diagnosis.as_dict()}) if json else _report(name, diagnosis)
     return text, diagnosis.usable
 
 
-def polygon(name: str, path: Path, json: bool) -> tuple[str, bool]:
+def polygon(name: str, path: Path, part: str | None, json: bool) -> tuple[str, bool]:
     """The report on a polygon, in words or JSON, and whether it can be used."""
     from idviewer.core import PolygonError, read_polygon
 
     try:
-        made = read_polygon(path)
+        made = read_polygon(path, part=part)
     except PolygonError as error:
         problem = str(error)
         if json:
@@ -50,6 +51,7 @@ def polygon(name: str, path: Path, json: bool) -> tuple[str, bool]:
         ("vertices", f"{len(made.vertices):,}"),
         ("loops", f"{len(made.loops)} ({_holes(made)})"),
         ("bounding box", _box(made.bounds.tolist())),
+        ("unit", made.unit or UNKNOWN_UNIT),
         ("area", f"{made.area:.6g}"),
         ("perimeter", f"{made.perimeter:.6g}"),
     )
@@ -65,6 +67,7 @@ def _polygon_sizes(made: Polygon) -> dict[str, object]:
         "perimeter": made.perimeter,
         "bounds": made.bounds,
         "notes": made.notes,
+        "unit": made.unit,
     }
 
 
@@ -91,6 +94,7 @@ def _report(name: str, diagnosis: Diagnosis) -> str:
             else f"is {finding.repair} when it is opened"
         )
         lines.append(f"  {'problem' if finding.fatal else 'note':<{TITLE_WIDTH}}{finding.message}; {fate}")
+    lines += [_line("note", note) for note in diagnosis.notes]
     if not diagnosis.findings:
         lines.append(f"  {'faults':<{TITLE_WIDTH}}none")
     lines.append(f"  {'usable':<{TITLE_WIDTH}}{'yes' if diagnosis.usable else 'no'}")
@@ -111,6 +115,7 @@ def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
         yield "boundary loops", f"{diagnosis.boundary_loops}"
     if diagnosis.bounds is not None:
         yield "bounding box", _box(diagnosis.bounds)
+    yield "unit", diagnosis.unit or UNKNOWN_UNIT
     yield "area", f"{diagnosis.area:.6g}"
     if diagnosis.volume is not None:
         yield "volume", f"{diagnosis.volume:.6g}"

@@ -80,7 +80,7 @@ class Pipeline:
             match request:
                 case OpenRequest():
                     yield Progress(f"Reading {request.path.name}")
-                    shape = read_shape(request.path, component=request.component)
+                    shape = read_shape(request.path, request.component, part=request.part)
                     check_memory(shape)  # what is open stays
                     yield Opened(shape, request.path)
                 case FrameRequest():

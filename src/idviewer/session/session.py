@@ -77,9 +77,9 @@ class Session:
         self._closed = False
         self._runner = Runner(work or Pipeline(cache, previews=True).results, self._receive, post)
 
-    def open(self, path: str | Path, component: int | None = None) -> None:
+    def open(self, path: str | Path, component: int | None = None, part: str | None = None) -> None:
         """Read a shape in the compute thread and show it; on failure everything stays as it was."""
-        self._reading = OpenRequest(Path(path), component)
+        self._reading = OpenRequest(Path(path), component, part)
         self._start(self._reading)
 
     def show(self, shape: Shape) -> None:

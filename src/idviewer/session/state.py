@@ -171,10 +171,17 @@ class Finished:
 
 @dataclass(frozen=True)
 class OpenRequest:
-    """Read a mesh or a polygon; of a mesh's components, the component-th largest (counted from 1)."""
+    """Read a mesh or a polygon.
+
+    Attributes:
+        path: of the file.
+        component: of a mesh's components, which to take, 1 for the largest.
+        part: of several shapes in the file, the name of the one to take.
+    """
 
     path: Path
     component: int | None = None
+    part: str | None = None
 
 
 @dataclass(frozen=True)

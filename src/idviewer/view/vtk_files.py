@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from idviewer.core.io import UnreadableError, add_reader
+from idviewer.core.io import FileSource, UnreadableError, add_reader
 from idviewer.core.validation import PolygonSoup, strips
 
 VTK_SUFFIXES = (".vtp", ".vtu", ".vtk")
@@ -24,18 +24,19 @@ def register_vtk_reader() -> None:
     add_reader(VTK_SUFFIXES, read_vtk)
 
 
-def read_vtk(data: bytes, path: Path) -> PolygonSoup:
+def read_vtk(source: FileSource) -> PolygonSoup:
     """Polygons of a VTK file, of all its pieces together; points and lines are passed over.
 
     Args:
-        data: what the file holds; that tells its format.
-        path: of the file; not looked at.
+        source: the file; its bytes tell its format.
 
     Raises:
         UnreadableError: the file is damaged or truncated, or holds something else than a surface.
     """
     # -P: a folder of modules is no place to look for those of the standard library.
-    done = subprocess.run([sys.executable, "-P", str(_PROGRAM)], input=data, capture_output=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-P", str(_PROGRAM)], input=source.data, capture_output=True, check=False
+    )
     if done.returncode == 1 and done.stderr.strip():
         raise UnreadableError(done.stderr.decode(errors="replace").strip().splitlines()[-1])
     if done.returncode:

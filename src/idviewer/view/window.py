@@ -160,11 +160,11 @@ class MainWindow(QMainWindow):
         """Tell the user one line, which does not block."""
         self.messages.tell("error", text)
 
-    def open(self, path: Path | str, component: int | None = None) -> None:
+    def open(self, path: Path | str, component: int | None = None, part: str | None = None) -> None:
         """Open a mesh or a polygon; the shape that is open stays until the new one is read."""
         self.messages.clear()
         self._requested_path = Path(path)
-        self.session.open(self._requested_path, component)
+        self.session.open(self._requested_path, component, part)
 
     def _open_sample(self, name: str) -> None:
         self.open(sample_path(name))

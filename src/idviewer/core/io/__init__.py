@@ -2,6 +2,7 @@
 
 from idviewer.core.io.atomic_write import PART_SUFFIX, atomic_path
 from idviewer.core.io.bundled_shapes import DEFAULT_SAMPLE, Sample, all_samples, sample_names, sample_path
+from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.formats import add_reader, readable_suffixes
 from idviewer.core.io.meshes import inspect_file, read_mesh
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
@@ -10,6 +11,9 @@ from idviewer.core.io.text import UnreadableError
 __all__ = [
     "DEFAULT_SAMPLE",
     "PART_SUFFIX",
+    "Contents",
+    "FileSource",
+    "PartError",
     "Sample",
     "UnreadableError",
     "add_reader",

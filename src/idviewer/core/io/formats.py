@@ -8,13 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from idviewer.core.arrays import Floats
+from idviewer.core.io.contents import Contents, FileSource
 from idviewer.core.io.gltf import read_glb, read_gltf
 from idviewer.core.io.obj import read_obj
 from idviewer.core.io.off import read_off
 from idviewer.core.io.ply import read_ply
 from idviewer.core.io.polygon_readers import read_csv, read_json, read_wkt
 from idviewer.core.io.stl import read_stl
-from idviewer.core.validation.polygon_soup import PolygonSoup
+
+Reader = Callable[[FileSource], Any]
+"""From a file to the Contents of it: of a PolygonSoup, or of a polygon's loops; or to those themselves."""
 
 
 @dataclass(frozen=True)
@@ -22,59 +25,77 @@ class FileFormat:
     """Contents of files of one suffix.
 
     Attributes:
-        suffix: in lower case and with its dot.
+        suffix: in lower case and with its dot; of two parts perhaps, such as ".nii.gz".
         title: what messages call the format.
         dimension: of the shapes in it, 3 for meshes, 2 for polygons.
-        read: bytes and path to a PolygonSoup, or bytes and an element's id to a polygon's loops; None if that
-            is left to another package.
+        read: see `Reader`; None if that is left to another package.
         hint: how to get the reader, for messages, where there is none.
+        holds_parts: whether a file may hold several shapes, of which the reader takes a chosen one.
     """
 
     suffix: str
     title: str
     dimension: int
-    read: Callable[..., Any] | None
+    read: Reader | None
     hint: str = ""
+    holds_parts: bool = False
+
+    def contents(self, source: FileSource) -> Contents[Any]:
+        """Read a file.
+
+        Args:
+            source: the file.
+
+        Raises:
+            UnreadableError: it is damaged, or has no such part; also any other exception of the reader.
+        """
+        assert self.read is not None
+        if not self.holds_parts:
+            source.refuse_part()
+        found = self.read(source)
+        return found if isinstance(found, Contents) else Contents(found)
 
 
-def _svg_loops(data: bytes, element: str | None) -> list[Floats]:
+def _read_svg(source: FileSource) -> list[Floats]:
     from idviewer.core.io.svg import read_svg  # its library takes a while to load
 
-    return read_svg(data, element)
+    return read_svg(source.data, source.part)
 
 
 _FROM_VTK = "call idviewer.view.vtk_files.register_vtk_reader, which needs VTK"
 _FORMATS = {
     one.suffix: one
     for one in (
-        FileFormat(".off", "OFF", 3, lambda data, path: read_off(data)),
-        FileFormat(".obj", "OBJ", 3, lambda data, path: read_obj(data)),
-        FileFormat(".ply", "PLY", 3, lambda data, path: read_ply(data)),
-        FileFormat(".stl", "STL", 3, lambda data, path: read_stl(data)),
-        FileFormat(".glb", "GLB", 3, lambda data, path: read_glb(data)),
-        FileFormat(".gltf", "glTF", 3, lambda data, path: read_gltf(data, path.parent)),
+        FileFormat(".off", "OFF", 3, lambda source: read_off(source.data)),
+        FileFormat(".obj", "OBJ", 3, lambda source: read_obj(source.data)),
+        FileFormat(".ply", "PLY", 3, lambda source: read_ply(source.data)),
+        FileFormat(".stl", "STL", 3, lambda source: read_stl(source.data)),
+        FileFormat(".glb", "GLB", 3, lambda source: read_glb(source.data)),
+        FileFormat(".gltf", "glTF", 3, lambda source: read_gltf(source.data, source.path.parent)),
         FileFormat(".vtp", "VTP", 3, None, _FROM_VTK),
         FileFormat(".vtu", "VTU", 3, None, _FROM_VTK),
         FileFormat(".vtk", "VTK", 3, None, _FROM_VTK),
-        FileFormat(".csv", "CSV", 2, lambda data, element: read_csv(data)),
-        FileFormat(".svg", "SVG", 2, _svg_loops),
-        FileFormat(".json", "JSON", 2, lambda data, element: read_json(data)),
-        FileFormat(".geojson", "GeoJSON", 2, lambda data, element: read_json(data)),
-        FileFormat(".wkt", "WKT", 2, lambda data, element: read_wkt(data)),
+        FileFormat(".csv", "CSV", 2, lambda source: read_csv(source.data)),
+        FileFormat(".svg", "SVG", 2, _read_svg, holds_parts=True),
+        FileFormat(".json", "JSON", 2, lambda source: read_json(source.data)),
+        FileFormat(".geojson", "GeoJSON", 2, lambda source: read_json(source.data)),
+        FileFormat(".wkt", "WKT", 2, lambda source: read_wkt(source.data)),
     )
 }
 
 
 def add_reader(
-    suffixes: tuple[str, ...], read: Callable[[bytes, Path], PolygonSoup] | None, hint: str = ""
+    suffixes: tuple[str, ...], read: Reader | None, hint: str = "", holds_parts: bool = False
 ) -> None:
     """Have `read_mesh` read files of further suffixes, or of known ones by another reader.
 
     Args:
-        suffixes: with their dots, such as (".vtp",).
-        read: makes polygons of a file's bytes and its path. Of a damaged file it raises UnreadableError, in
-            words for the file's owner, or any other exception. None if the suffix is known only.
+        suffixes: with their dots, such as (".vtp",) or (".nii.gz",).
+        read: makes polygons (a `PolygonSoup`, or `Contents` of one) of a `FileSource`. Of a damaged file it
+            raises UnreadableError, in words for the file's owner, or any other exception. None if the suffix
+            is known only.
         hint: how to get the reader, for messages, where `read` is None.
+        holds_parts: whether a file may hold several shapes; see `FileSource.chosen`.
 
     Raises:
         ValueError: a suffix does not begin with a dot.
@@ -86,7 +107,7 @@ def add_reader(
     for suffix in map(str.lower, suffixes):
         if not suffix.startswith(".") or len(suffix) < 2:
             raise ValueError(f"a suffix begins with a dot, unlike {suffix!r}")
-        _FORMATS[suffix] = FileFormat(suffix, suffix[1:].upper(), 3, read, hint)
+        _FORMATS[suffix] = FileFormat(suffix, suffix[1:].upper(), 3, read, hint, holds_parts)
 
 
 def readable_suffixes(dimension: int | None = None) -> tuple[str, ...]:
@@ -108,7 +129,7 @@ def format_of(path: Path) -> FileFormat | None:
     >>> format_of(Path("thing.GLTF")).title
     'glTF'
     """
-    return _FORMATS.get(path.suffix.lower())
+    return _FORMATS.get("".join(path.suffixes[-2:]).lower()) or _FORMATS.get(path.suffix.lower())
 
 
 def why_unreadable(path: Path, dimension: int | None = None) -> str:
@@ -122,10 +143,10 @@ def why_unreadable(path: Path, dimension: int | None = None) -> str:
     "'.doc' files hold no polygon; save it as one of .csv, .svg, .json, .geojson, .wkt"
     """
     suffixes = readable_suffixes(dimension)
-    suffix = path.suffix.lower()
+    known = format_of(path)
+    suffix = path.suffix.lower() if known is None else known.suffix
     if suffix in suffixes:
         return ""
-    known = format_of(path)
     if not suffix:
         problem = "a suffix must tell the file's format"
     elif known is not None and known.read is None and dimension in (None, known.dimension):

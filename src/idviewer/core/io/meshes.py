@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
+from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.files import bytes_of
 from idviewer.core.io.formats import format_of, one_line
 from idviewer.core.io.text import UnreadableError
@@ -15,7 +17,7 @@ from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 
 
-def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mesh:
+def read_mesh(path: str | os.PathLike[str], component: int | None = None, part: str | None = None) -> Mesh:
     """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB or glTF, by its suffix.
 
     What can be repaired is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
@@ -24,25 +26,33 @@ def read_mesh(path: str | os.PathLike[str], component: int | None = None) -> Mes
     Args:
         path: of the file.
         component: which of several components to take, 1 for the largest.
+        part: which of several shapes in the file to take, by its name, where the format knows such.
 
     Raises:
         MeshError: there is no such file, it cannot be read, it is damaged, or what it holds is no closed
             surface. The message is one line that names the file.
     """
     path = Path(path)
-    return repaired_mesh(_polygons(path), path.stem, one_line(path), component)
+    contents = _contents(path, part)
+    mesh = repaired_mesh(contents.geometry, path.stem, one_line(path), component)
+    return mesh.with_labels(notes=(*contents.notes, *mesh.notes), unit=contents.unit)
 
 
-def inspect_file(path: str | os.PathLike[str]) -> Diagnosis:
+def inspect_file(path: str | os.PathLike[str], part: str | None = None) -> Diagnosis:
     """Find the sizes of the mesh in a file and everything that is wrong with it, however unusable.
+
+    Args:
+        path: of the file.
+        part: as in `read_mesh`.
 
     Raises:
         MeshError: there is no such file, or it cannot be read, or it is damaged.
     """
-    return diagnosis_of(validate(_polygons(Path(path))))
+    contents = _contents(Path(path), part)
+    return replace(diagnosis_of(validate(contents.geometry)), notes=contents.notes, unit=contents.unit)
 
 
-def _polygons(path: Path) -> PolygonSoup:
+def _contents(path: Path, part: str | None) -> Contents[PolygonSoup]:
     """Read the polygons in a file, unchecked."""
     try:
         data = bytes_of(path, 3)
@@ -50,10 +60,11 @@ def _polygons(path: Path) -> PolygonSoup:
         raise MeshError(f"{one_line(path)}: {error}") from error
     known = format_of(path)
     assert known is not None
-    assert known.read is not None
     where, kind = one_line(path), known.title
     try:
-        return known.read(data, path)
+        return known.contents(FileSource(data, path, part))
+    except PartError as error:
+        raise MeshError(f"{where}: {one_line(error)}").with_parts(error.parts) from error
     except UnreadableError as error:
         raise MeshError(f"{where}: not a whole {kind} file: {one_line(error)}; export it again") from error
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line

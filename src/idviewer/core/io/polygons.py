@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 from pathlib import Path
 
 from idviewer.core.arrays import Floats
 from idviewer.core.errors import ShapeError
 from idviewer.core.io.atomic_write import atomic_path
+from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.files import bytes_of
 from idviewer.core.io.formats import format_of, one_line, readable_suffixes, why_unreadable
 from idviewer.core.io.meshes import read_mesh
@@ -20,7 +20,7 @@ from idviewer.core.shapes.shape import PolygonLike, as_polygon
 
 
 def read_polygon(
-    path: str | os.PathLike[str], samples: int | None = None, element: str | None = None
+    path: str | os.PathLike[str], samples: int | None = None, part: str | None = None
 ) -> Polygon:
     """Read the polygon in a file: CSV, SVG, JSON, GeoJSON or WKT, by its suffix.
 
@@ -34,7 +34,7 @@ def read_polygon(
         path: of the file.
         samples: how many points to take along the boundary (see `Polygon.resampled`); the file's own vertices
             by default.
-        element: id of the SVG element to take.
+        part: which of several shapes in the file to take, by its name: the id of an SVG element.
 
     Raises:
         PolygonError: there is no such file, it cannot be read, it is damaged, or what it holds is no simple
@@ -42,15 +42,19 @@ def read_polygon(
     """
     path = Path(path)
     try:
-        polygon = Polygon.of_loops(_loops(path, element))
+        contents = _contents(path, part)
+        polygon = Polygon.of_loops(contents.geometry)
         polygon = polygon if samples is None else polygon.resampled(samples)
     except PolygonError as error:
-        raise PolygonError(f"{one_line(path)}: {error}") from error
-    return replace(polygon, name=path.stem)
+        raise PolygonError(f"{one_line(path)}: {error}").with_parts(error.parts) from error
+    return polygon.with_labels(path.stem, (*contents.notes, *polygon.notes), contents.unit)
 
 
 def read_shape(
-    path: str | os.PathLike[str], component: int | None = None, samples: int | None = None
+    path: str | os.PathLike[str],
+    component: int | None = None,
+    samples: int | None = None,
+    part: str | None = None,
 ) -> Mesh | Polygon:
     """Read the mesh or the polygon in a file, by its suffix; see `read_mesh` and `read_polygon`.
 
@@ -58,6 +62,7 @@ def read_shape(
         path: of the file.
         component: which of a mesh's components to take, 1 for the largest.
         samples: how many points to take along a polygon's boundary.
+        part: which of several shapes in the file to take, by its name.
 
     Raises:
         ShapeError: a MeshError or a PolygonError.
@@ -71,14 +76,14 @@ def read_shape(
     if suffix in readable_suffixes(2):
         if component is not None:
             raise PolygonError(f"{one_line(path)}: a polygon has no components; leave the component out")
-        return read_polygon(path, samples)
+        return read_polygon(path, samples, part)
     if samples is not None:
         raise ShapeError(
             f"{one_line(path)}: only polygons are sampled along their boundary; leave the samples out"
         )
     if path.is_file() and (problem := why_unreadable(path)):
         raise ShapeError(f"{one_line(path)}: {problem}")
-    return read_mesh(path, component)
+    return read_mesh(path, component, part)
 
 
 def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
@@ -106,7 +111,7 @@ def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:
         part.write_text(text, encoding="utf-8")
 
 
-def _loops(path: Path, element: str | None) -> list[Floats]:
+def _contents(path: Path, part: str | None) -> Contents[list[Floats]]:
     """Read the loops in a file, unchecked."""
     try:
         data = bytes_of(path, 2)
@@ -114,11 +119,10 @@ def _loops(path: Path, element: str | None) -> list[Floats]:
         raise PolygonError(str(error)) from error
     known = format_of(path)
     assert known is not None
-    assert known.read is not None
-    if element is not None and known.suffix != ".svg":
-        raise PolygonError("only SVG drawings have elements; leave the element out")
     try:
-        return known.read(data, element)
+        return known.contents(FileSource(data, path, part))
+    except PartError as error:
+        raise PolygonError(one_line(error)).with_parts(error.parts) from error
     except UnreadableError as error:
         raise PolygonError(f"not a polygon as {known.title}: {one_line(error)}; correct the file") from error
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line

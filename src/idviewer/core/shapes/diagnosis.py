@@ -45,6 +45,8 @@ class Diagnosis:
         input_vertices: how many were given, before any repair.
         input_faces: how many polygons were source.
         findings: what is wrong, in the order in which it was found; empty for a faultless mesh.
+        notes: what the file's reader passed over or understood in some way, one sentence each.
+        unit: of the coordinates; empty where the file does not say.
     """
 
     vertices: int
@@ -60,6 +62,8 @@ class Diagnosis:
     input_vertices: int
     input_faces: int
     findings: tuple[Finding, ...]
+    notes: tuple[str, ...] = ()
+    unit: str = ""
 
     @property
     def usable(self) -> bool:

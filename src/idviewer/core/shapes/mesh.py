@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, TypeVar
@@ -71,6 +72,7 @@ class Mesh:
         faces: (m, 3) int64 vertex indices, counter-clockwise seen from outside, read-only.
         name: for titles; file name without its suffix.
         notes: the repairs that were made, one sentence each.
+        unit: of the coordinates, such as "mm"; empty where it is not known.
 
     Raises:
         MeshError: the surface is open, not manifold, one-sided, in several pieces, inside out, without
@@ -88,10 +90,12 @@ class Mesh:
     faces: NDArray[np.int64]
     name: str = ""
     notes: tuple[str, ...] = ()
+    unit: str = ""
 
     def __init__(
-        self, vertices: ArrayLike, faces: ArrayLike, name: str = "", notes: Sequence[str] = ()
+        self, vertices: ArrayLike, faces: ArrayLike, name: str = "", notes: Sequence[str] = (), unit: str = ""
     ) -> None:
+        object.__setattr__(self, "unit", unit)
         object.__setattr__(self, "name", name)
         try:
             polygons = PolygonSoup.of(vertices, faces)
@@ -126,6 +130,26 @@ class Mesh:
         object.__setattr__(self, "notes", tuple(notes))
         if report.triangle_quality is not None:
             self.__dict__["triangle_quality"] = report.triangle_quality  # of these arrays; it takes a while
+
+    def with_labels(
+        self, name: str | None = None, notes: Sequence[str] | None = None, unit: str | None = None
+    ) -> Mesh:
+        """The same mesh with other labels; what is left out stays.
+
+        Args:
+            name: for titles.
+            notes: one sentence each.
+            unit: of the coordinates.
+
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).with_labels(unit="mm").unit
+        'mm'
+        """
+        labelled = copy(self)
+        for label, value in (("name", name), ("notes", notes), ("unit", unit)):
+            if value is not None:
+                object.__setattr__(labelled, label, value if isinstance(value, str) else tuple(value))
+        return labelled
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -41,6 +42,7 @@ class Polygon:
             order and the sense in which loops are given do not matter.
         name: for titles; file name without its suffix.
         notes: what was changed when it was read, one sentence each.
+        unit: of the coordinates, such as "mm"; empty where it is not known.
 
     Raises:
         PolygonError: under three vertices, repeated ones, edges that cross or touch, holes that lie outside
@@ -57,6 +59,7 @@ class Polygon:
     loops: tuple[NDArray[np.int64], ...] = ()
     name: str = ""
     notes: tuple[str, ...] = ()
+    unit: str = ""
 
     def __init__(
         self,
@@ -64,8 +67,9 @@ class Polygon:
         loops: Sequence[ArrayLike] | None = None,
         name: str = "",
         notes: Sequence[str] = (),
+        unit: str = "",
     ) -> None:
-        self._label(name, notes)
+        self._label(name, notes, unit)
         try:
             points = checks.points_of(vertices)
             numbers = checks.checked_loops(points, checks.loops_of(loops, len(points)))
@@ -76,15 +80,37 @@ class Polygon:
     def _named(self, error: PolygonError) -> PolygonError:
         return PolygonError(f"{self.name}: {error}") if self.name else error
 
-    def _label(self, name: str, notes: Sequence[str]) -> None:
+    def _label(self, name: str, notes: Sequence[str], unit: str) -> None:
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "notes", tuple(notes))
+        object.__setattr__(self, "unit", unit)
 
     def _fill(self, vertices: Floats, loops: tuple[Ints, ...]) -> None:
         for array in (vertices, *loops):
             array.setflags(write=False)
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "loops", loops)
+
+    def with_labels(
+        self, name: str | None = None, notes: Sequence[str] | None = None, unit: str | None = None
+    ) -> Polygon:
+        """The same polygon with other labels; what is left out stays.
+
+        Args:
+            name: for titles.
+            notes: one sentence each.
+            unit: of the coordinates.
+
+        >>> Polygon([[0, 0], [1, 0], [0, 1]]).with_labels(unit="mm").unit
+        'mm'
+        """
+        labelled = copy(self)
+        labelled._label(
+            self.name if name is None else name,
+            self.notes if notes is None else notes,
+            self.unit if unit is None else unit,
+        )
+        return labelled
 
     def __repr__(self) -> str:
         holes = {1: "", 2: ", 1 hole"}.get(len(self.loops), f", {len(self.loops) - 1} holes")
@@ -137,7 +163,7 @@ class Polygon:
         except PolygonError as error:
             raise self._named(error) from None
         polygon = object.__new__(Polygon)
-        polygon._label(self.name, self.notes)
+        polygon._label(self.name, self.notes, self.unit)
         polygon._fill(points, loops)
         return polygon
 
@@ -161,7 +187,7 @@ class Polygon:
             made = Polygon.of_loops(loops)
         except PolygonError as error:
             raise self._named(PolygonError(f"with {count} points: {error}")) from None
-        return replace(made, name=self.name, notes=self.notes)
+        return made.with_labels(self.name, self.notes, self.unit)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points lie inside; those on the boundary do.

@@ -39,6 +39,10 @@ class Shape(Protocol):
         """Repairs made when it was read, one sentence each."""
 
     @property
+    def unit(self) -> str:
+        """Unit of the coordinates, such as "mm"; empty where it is not known."""
+
+    @property
     def vertices(self) -> Floats:
         """Vertices (n, dimension), read-only."""
 
