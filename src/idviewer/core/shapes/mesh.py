@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar, TypeVar
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
+from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.findings import COMPONENT_KINDS, Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
@@ -73,6 +74,7 @@ class Mesh:
         name: for titles; file name without its suffix.
         notes: the repairs that were made, one sentence each.
         unit: of the coordinates, such as "mm"; empty where it is not known.
+        numbering: which vertex of the file, or of the arrays that were given, became which of these.
 
     Raises:
         MeshError: the surface is open, not manifold, one-sided, in several pieces, inside out, without
@@ -91,6 +93,7 @@ class Mesh:
     name: str = ""
     notes: tuple[str, ...] = ()
     unit: str = ""
+    numbering: FileNumbering = field(init=False, repr=False)
 
     def __init__(
         self, vertices: ArrayLike, faces: ArrayLike, name: str = "", notes: Sequence[str] = (), unit: str = ""
@@ -128,6 +131,7 @@ class Mesh:
         object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(report.vertices)))
         object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(report.faces)))
         object.__setattr__(self, "notes", tuple(notes))
+        object.__setattr__(self, "numbering", report.numbering)
         if report.triangle_quality is not None:
             self.__dict__["triangle_quality"] = report.triangle_quality  # of these arrays; it takes a while
 
@@ -153,6 +157,21 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
+
+    @property
+    def file_vertices(self) -> NDArray[np.int64]:
+        """Number (f,) of the vertex that each vertex of the file became; -1 where it was dropped.
+
+        The file's own order is that in which it lists its points: in STL the three corners of each facet, one
+        facet after the other; in glTF the points of each primitive in use, one primitive after the other. A
+        mesh made of arrays counts as they do. `numbering.in_file_order` carries values back.
+
+        >>> from idviewer.core import repair_mesh
+        >>> corners = [[0, 0, 0], [9, 9, 9], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]]
+        >>> repair_mesh(corners, [[0, 3, 2], [5, 2, 4], [0, 4, 3], [2, 3, 4]]).file_vertices.tolist()
+        [0, -1, 1, 2, 3, 0]
+        """
+        return self.numbering.became
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:

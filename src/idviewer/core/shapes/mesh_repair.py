@@ -62,5 +62,9 @@ def repaired_mesh(polygons: PolygonSoup, name: str, source: str, component: int 
     notes = tuple(finding.note for finding in report.findings)
     if any(finding.kind == "flat_faces" for finding in report.findings):
         # All other checks follow the repairs that could spoil them; flips come late, so all is checked again.
-        return Mesh(report.vertices, report.faces, name, notes)
+        again = validate(PolygonSoup.of(report.vertices, report.faces))
+        if again.repaired:
+            raise MeshError.from_report(again, source)
+        again.numbering = report.numbering
+        report = again
     return Mesh.from_report(report, name, notes)

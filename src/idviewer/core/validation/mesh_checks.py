@@ -60,12 +60,11 @@ def _check_indices(report: ValidationReport) -> None:
         return report.stop(counted("index_out_of_range", len(faces), detail if count else ": there are none"))
     if few := int(np.count_nonzero(source.sizes < 3)):
         report.add(counted("few_corners", few))
-    used = np.zeros(count, bool)
-    used[source.corners] = True
-    if not used.all():
-        report.add(counted("isolated_vertices", int(count - np.count_nonzero(used))))
-        report.vertices = source.vertices[used]
-        report.polygons = PolygonSoup(report.vertices, (np.cumsum(used) - 1)[source.corners], source.sizes)
+    became = repairs.numbers_of_used(source.corners, count)
+    if isolated := int(np.count_nonzero(became < 0)):
+        report.add(counted("isolated_vertices", isolated))
+        report.renumber(source.vertices[became >= 0], report.faces, became)
+        report.polygons = PolygonSoup(report.vertices, became[source.corners], source.sizes)
     return None
 
 
@@ -110,17 +109,18 @@ def _merge_duplicates(report: ValidationReport) -> None:
     different = first != np.arange(len(first))
     if different.any():
         count, place = int(np.count_nonzero(different)), report.near(np.argmax(different))
-        vertices, faces, _ = repairs.merged_vertices(report.vertices, report.faces, first)
+        merged = repairs.merged_vertices(report.vertices, report.faces, first)
         # A surface that is closed as it is needs no merging: its parts only touch each other. But faces
         # that collapse, between vertices in the same place, are better gone.
         spoiled = (
-            len(faces) == len(report.faces) or len(Topology(faces, len(vertices)).non_manifold_edges) > 0
+            len(merged.faces) == len(report.faces)
+            or len(Topology(merged.faces, len(merged.vertices)).non_manifold_edges) > 0
         )
         apart = spoiled and report.is_closed()
         kind = "touching_vertices" if apart else "duplicated_vertices"
         report.add(counted(kind, count, place=place))
         if not apart:
-            report.vertices, report.faces = vertices, faces
+            report.renumber(merged.vertices, merged.faces, merged.became)
             _stop_without_faces(report)
     if not report.stopped and not report.oriented_manifold:
         # The two sides of a sheet, joined at its rim alone, are no copies: its edges have two faces each.
@@ -139,10 +139,10 @@ def _close_gaps(report: ValidationReport) -> None:
     if len(rim) == 0:
         return
     first = repairs.first_within(report.vertices, rim, TOLERANCES.gap * report.size)
-    vertices, faces, gone = repairs.merged_vertices(report.vertices, report.faces, first)
-    if gone and len(faces) and Topology(faces, len(vertices)).closed:
-        report.add(counted("nearby_vertices", gone, place=report.near(rim[0])))
-        report.vertices, report.faces = vertices, faces
+    merged = repairs.merged_vertices(report.vertices, report.faces, first)
+    if merged.gone and len(merged.faces) and Topology(merged.faces, len(merged.vertices)).closed:
+        report.add(counted("nearby_vertices", merged.gone, place=report.near(rim[0])))
+        report.renumber(merged.vertices, merged.faces, merged.became)
 
 
 def _choose_component(report: ValidationReport, component: int | None) -> None:
@@ -209,9 +209,9 @@ def _remove_zero_area_faces(report: ValidationReport) -> None:
 def _without_zero_area_faces(report: ValidationReport) -> bool:
     """Remove faces without area; whether none is left."""
     first = repairs.first_along_short_edges(report.vertices, report.faces)
-    vertices, faces, gone = repairs.merged_vertices(report.vertices, report.faces, first)
-    if gone and len(faces) and Topology(faces, len(vertices)).closed:
-        report.vertices, report.faces = vertices, faces
+    merged = repairs.merged_vertices(report.vertices, report.faces, first)
+    if merged.gone and len(merged.faces) and Topology(merged.faces, len(merged.vertices)).closed:
+        report.renumber(merged.vertices, merged.faces, merged.became)
     report.faces = repairs.with_edges_flipped(report.vertices, report.faces)
     return not repairs.zero_area_faces(report.vertices, report.faces).any()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -72,6 +74,21 @@ def duplicates_of_earlier(faces: Ints, either_winding: bool) -> Bools:
     return copies
 
 
+def numbers_of_used(corners: Ints, count: int) -> Ints:
+    """The new number of each vertex once those without a face are dropped, (count,); -1 for these.
+
+    Args:
+        corners: vertices of the faces, in any shape.
+        count: of the vertices.
+
+    >>> numbers_of_used(np.array([[0, 1, 3]]), 4).tolist()
+    [0, 1, -1, 2]
+    """
+    used = np.zeros(count, bool)
+    used[corners] = True
+    return np.where(used, np.cumsum(used) - 1, -1)
+
+
 def without_unused_vertices(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """Without the vertices that no face uses; the order stays.
 
@@ -79,11 +96,8 @@ def without_unused_vertices(vertices: Floats, faces: Ints) -> tuple[Floats, Ints
     >>> len(vertices), faces.tolist()
     (3, [[0, 1, 2]])
     """
-    used = np.zeros(len(vertices), bool)
-    used[faces] = True
-    if used.all():
-        return vertices, faces
-    return vertices[used], (np.cumsum(used) - 1)[faces]
+    became = numbers_of_used(faces, len(vertices))
+    return vertices[became >= 0], became[faces]
 
 
 def side_vectors(vertices: Floats, faces: Ints) -> tuple[Floats, Floats, Floats]:
@@ -179,13 +193,39 @@ def _longest_side_first(vertices: Floats, face: Ints) -> tuple[int, int, int]:
     return a, b, c
 
 
-def merged_vertices(vertices: Floats, faces: Ints, first: Ints) -> tuple[Floats, Ints, int]:
-    """Each vertex replaced by its first: what is left of vertices and faces, and how many vertices went."""
+class Merged(NamedTuple):
+    """Vertices and faces of which some were merged.
+
+    Attributes:
+        vertices: (n, 3) those left that have a face.
+        faces: (m, 3) those left with three different corners.
+        gone: how many vertices were merged into another.
+        became: for each vertex before, its number now; -1 where no face is left to it.
+    """
+
+    vertices: Floats
+    faces: Ints
+    gone: int
+    became: Ints
+
+
+def merged_vertices(vertices: Floats, faces: Ints, first: Ints) -> Merged:
+    """Replace each vertex by its first.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3).
+        first: (n,) for each vertex the one that it becomes.
+
+    >>> merged = merged_vertices(np.eye(4)[:, :3], np.array([[0, 1, 3], [0, 1, 2]]), np.array([0, 1, 0, 3]))
+    >>> merged.faces.tolist(), merged.became.tolist()
+    ([[0, 1, 2]], [0, 1, 0, 2])
+    """
     gone = int(np.count_nonzero(first != np.arange(len(first))))
     together = first[faces]
     together = together[~repeating_a_vertex(together)]
-    kept, together = without_unused_vertices(vertices, together)
-    return kept, together, gone
+    became = numbers_of_used(together, len(vertices))
+    return Merged(vertices[became >= 0], became[together], gone, became[first])
 
 
 def volume_and_area(vertices: Floats, faces: Ints) -> tuple[float, float]:

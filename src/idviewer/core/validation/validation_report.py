@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from idviewer.core.arrays import Bools, Floats, Ints
+from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.findings import HARMLESS_KINDS, Finding
 from idviewer.core.validation.polygon_soup import PolygonSoup
-from idviewer.core.validation.soup_repairs import without_unused_vertices
+from idviewer.core.validation.soup_repairs import numbers_of_used
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality
 
@@ -22,7 +23,8 @@ class ValidationReport:
         component_sizes: faces of each component, the largest first; empty until they are counted.
         stopped: nothing can be checked behind the last finding.
         triangle_quality: of the surface; None if it was not looked at.
-        vertices: (n, 3).
+        vertices: (n, 3); a repair that changes them goes through `renumber` or `split`.
+        numbering: which vertex of the source became which of these.
     """
 
     def __init__(self, polygons: PolygonSoup) -> None:
@@ -33,6 +35,7 @@ class ValidationReport:
         self.stopped = False
         self.triangle_quality: TriangleQuality | None = None
         self.vertices = polygons.vertices
+        self.numbering = FileNumbering.unchanged(len(polygons.vertices))
         self._faces = np.empty((0, 3), np.int64)
         self._topology: Topology | None = None
 
@@ -92,4 +95,31 @@ class ValidationReport:
 
     def keep(self, chosen: Bools) -> None:
         """Go on with some of the faces and the vertices they use."""
-        self.vertices, self.faces = without_unused_vertices(self.vertices, self.faces[chosen])
+        faces = self.faces[chosen]
+        became = numbers_of_used(faces, len(self.vertices))
+        self.renumber(self.vertices[became >= 0], became[faces], became)
+
+    def renumber(self, vertices: Floats, faces: Ints, became: Ints) -> None:
+        """Go on with vertices of which some were merged, dropped or moved to another place in the order.
+
+        Args:
+            vertices: (n, 3) the new ones.
+            faces: (m, 3) the new ones.
+            became: for each vertex so far, its new number; -1 where it is dropped.
+        """
+        kept = became >= 0
+        with np.errstate(invalid="ignore", over="ignore"):  # coordinates are checked later
+            moved = vertices[became[kept]] - self.vertices[kept]
+        self.numbering = self.numbering.renumbered(became, float(np.abs(moved).max(initial=0.0)))
+        self.vertices, self.faces = vertices, faces
+
+    def split(self, vertices: Floats, faces: Ints, came_from: Ints) -> None:
+        """Go on with vertices of which some are copies of others, or are new.
+
+        Args:
+            vertices: (n, 3) the new ones.
+            faces: (m, 3) the new ones.
+            came_from: (n,) for each of them, the vertex so far that it is or copies; -1 for a new point.
+        """
+        self.numbering = self.numbering.split(came_from)
+        self.vertices, self.faces = vertices, faces

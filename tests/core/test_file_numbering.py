@@ -1,0 +1,116 @@
+"""File numbering: every vertex of a file is found again after each repair, and values go both ways."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.core import meshfiles, shapes
+
+from idviewer.core.io import read_mesh
+from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh
+from idviewer.core.validation.file_numbering import FileNumbering
+
+
+def assert_found_again(mesh, given_vertices, dropped=(), within=0.0):
+    """Each vertex given lies where the one lies that it became; those dropped are exactly these."""
+    became = mesh.file_vertices
+    assert np.flatnonzero(became < 0).tolist() == sorted(dropped)
+    kept = np.flatnonzero(became >= 0)
+    assert np.abs(mesh.vertices[became[kept]] - np.asarray(given_vertices)[kept]).max() <= within
+    assert np.array_equal(became[mesh.numbering.origins], np.arange(len(mesh.vertices)))
+
+
+def test_a_mesh_made_in_memory_counts_as_its_arrays_do():
+    mesh = Mesh(*shapes.torus())
+    assert mesh.numbering.trivial
+    assert mesh.file_vertices.tolist() == list(range(len(mesh.vertices)))
+
+
+def test_the_corners_of_a_soup_are_found_again():
+    vertices, faces = shapes.soup(shapes.cube())
+    mesh = repair_mesh(vertices, faces)
+    assert_found_again(mesh, vertices)
+    assert (mesh.numbering.merged, mesh.numbering.dropped) == (36 - 8, 0)
+
+
+def test_isolated_vertices_are_told_as_dropped_wherever_they_stand():
+    vertices, faces = shapes.cube()
+    for place in (0, 3, 8):
+        with_one = np.insert(vertices, place, [5.0, 5.0, 5.0], axis=0)
+        mesh = repair_mesh(with_one, faces + (faces >= place))
+        assert_found_again(mesh, with_one, dropped=[place])
+
+
+def test_the_vertices_of_other_components_are_told_as_dropped():
+    vertices, faces = shapes.joined(shapes.cube(), shapes.moved(shapes.tetrahedron(), 3.0, 0.0, 0.0))
+    assert_found_again(repair_mesh(vertices, faces, component=2), vertices, dropped=range(8))
+    assert_found_again(repair_mesh(vertices, faces, component=1), vertices, dropped=range(8, 12))
+
+
+def test_vertices_merged_across_a_gap_are_found_again(rng):
+    vertices, faces = shapes.soup(shapes.torus())
+    shaken = vertices + 1e-8 * rng.uniform(-1, 1, vertices.shape)
+    mesh = repair_mesh(shaken, faces)
+    assert_found_again(mesh, shaken, within=2e-8)
+    assert 1e-9 < mesh.numbering.gap < 2e-8
+
+
+def test_vertices_are_found_again_after_faces_without_area_went():
+    vertices, faces = shapes.cube()
+    a, b, c = faces[0]
+    middle = len(vertices)
+    vertices = np.vstack([vertices, (vertices[a] + vertices[b]) / 2, [[7.0, 7.0, 7.0]]])
+    # A flat face fills the side on whose middle only one of its faces has a vertex.
+    split = np.vstack([faces[1:], [[a, middle, c], [middle, b, c], [a, b, middle]]])
+    mesh = repair_mesh(vertices, split)
+    assert any("without area" in note for note in mesh.notes)
+    assert_found_again(mesh, vertices, dropped=[middle + 1])
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=25, deadline=None)
+def test_several_repairs_at_once_are_followed(seed):
+    rng = np.random.default_rng(seed)
+    vertices, faces = shapes.joined(shapes.octahedron(), shapes.moved(shapes.cube(), 4.0, 0.0, 0.0))
+    vertices, faces = shapes.soup((vertices, faces))
+    order = rng.permutation(len(vertices))
+    alone = rng.uniform(-9, 9, (3, 3))
+    shuffled = np.vstack([alone, vertices[order]])
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order)) + 3
+    mesh = repair_mesh(shuffled, number[faces], component=2)
+    gone = (
+        np.flatnonzero(shuffled[:, 0] < 2.0)
+        if len(mesh.vertices) == 8
+        else np.flatnonzero(shuffled[:, 0] > 2.0)
+    )
+    assert_found_again(mesh, shuffled, dropped=sorted({0, 1, 2} | set(gone.tolist())))
+
+
+@pytest.mark.parametrize("suffix", ["off", "obj", "ply", "stl", "glb"])
+def test_the_order_of_a_file_is_that_of_its_points(suffix, tmp_path):
+    vertices, faces = shapes.cube()
+    mesh = read_mesh(meshfiles.write(tmp_path, f".{suffix}", getattr(meshfiles, suffix)(vertices, faces)))
+    listed = vertices[faces].reshape(-1, 3) if suffix == "stl" else vertices
+    assert_found_again(mesh, listed)
+
+
+def test_values_go_back_to_the_files_order():
+    numbering = FileNumbering(np.array([1, -1, 0, 1]), np.array([2, 0]))
+    back = numbering.in_file_order([[3.0, 4.0], [5.0, 6.0]])
+    assert np.array_equal(back, [[5, 6], [np.nan, np.nan], [3, 4], [5, 6]], equal_nan=True)
+    with pytest.raises(ValueError, match="none of 2 vertices"):
+        numbering.in_file_order([1.0, 2.0, 3.0])
+
+
+def test_copies_and_new_points_are_followed():
+    numbering = FileNumbering.unchanged(3).renumbered(np.array([-1, 0, 1]))
+    copied = numbering.split(np.array([1, 0, -1, 0]))
+    assert copied.became.tolist() == [-1, 1, 0]
+    assert copied.origins.tolist() == [2, 1, -1, 1]
+    assert not copied.trivial
+    dropped = copied.renumbered(np.array([0, -1, 1, 2]))
+    assert (dropped.became.tolist(), dropped.origins.tolist()) == ([-1, -1, 0], [2, -1, 1])
