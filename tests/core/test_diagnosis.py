@@ -10,7 +10,8 @@ from tests.core import shapes
 
 from idviewer.core.shapes.diagnosis import diagnose
 from idviewer.core.shapes.mesh import Mesh
-from idviewer.core.validation.findings import KINDS, point_text
+from idviewer.core.validation.finding_kinds import KINDS
+from idviewer.core.validation.findings import point_text
 
 
 def kinds(diagnosis):

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
 from idviewer.core.validation.file_numbering import FileNumbering
-from idviewer.core.validation.findings import COMPONENT_KINDS, Finding
+from idviewer.core.validation.finding_kinds import COMPONENT_KINDS
+from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.soup_repairs import side_vectors, volume_and_area

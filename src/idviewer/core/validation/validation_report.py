@@ -6,7 +6,8 @@ import numpy as np
 
 from idviewer.core.arrays import Bools, Floats, Ints
 from idviewer.core.validation.file_numbering import FileNumbering
-from idviewer.core.validation.findings import HARMLESS_KINDS, Finding
+from idviewer.core.validation.finding_kinds import HARMLESS_KINDS
+from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.soup_repairs import numbers_of_used
 from idviewer.core.validation.topology import Topology
