@@ -5,6 +5,7 @@ Results go to standard output, everything else to standard error. Bad input is o
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Sequence
@@ -179,6 +180,7 @@ def samples() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit status: 0, or 2 for bad input."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of its own cache folder
     try:
         if given and given[0] in DISTANCE_COMMANDS and {"--help", "-h"} & set(given):
             # Only then, because what knows the distances takes a while to load.
