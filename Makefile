@@ -10,10 +10,11 @@ PYTHON_IN := $(VENV)/bin/python
 INSTALL := $(PYTHON_IN) -m pip --disable-pip-version-check install --quiet
 MESH ?=
 BENCH_ARGS ?=
+FUZZ_ARGS ?=
 PYTEST_ARGS ?=
 FIGURES ?=
 
-.PHONY: help run test check lint test-core test-lowest bench pictures figures shapes clean system-run system-test
+.PHONY: help run test check lint test-core test-lowest fuzz bench pictures figures shapes clean system-run system-test
 
 help: ## this list
 	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  make \1\t\2/p' Makefile | expand -t 18
@@ -38,6 +39,9 @@ test-core: $(VENV)/core/installed ## core and session in an environment without 
 
 test-lowest: system-test $(VENV)/lowest/installed ## core, session and pictures with the oldest versions that pyproject.toml allows
 	@OPENBLAS_NUM_THREADS=1 $(VENV)/lowest/bin/python -m pytest -q -m "not slow" tests/core tests/session tests/view/test_images.py
+
+fuzz: system-test $(VENV)/installed-test ## read ten thousand damaged files of all kinds (FUZZ_ARGS are passed on); for the night
+	@$(PYTHON_IN) -m tests.fuzz.campaign $(FUZZ_ARGS)
 
 bench: system-test $(VENV)/installed-test ## speed, errors and memory, beside peers and bars: tables, and JSON (BENCH_ARGS are passed on)
 	@$(PYTHON_IN) benchmarks/run.py $(BENCH_ARGS)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,32 @@ from idviewer.core.validation import PolygonSoup, strips
 
 VTK_SUFFIXES = (".vtp", ".vtu", ".vtk")
 _PROGRAM = Path(__file__).with_name("vtk_reader_process.py")
+
+
+@dataclass(frozen=True)
+class ReadingLimits:
+    """What reading a file may take before it is refused as damaged.
+
+    Attributes:
+        memory: bytes in any case, for VTK itself and its threads.
+        memory_share: times the file's size beside; arrays may be compressed to a hundredth.
+        seconds: of computing in any case.
+        seconds_per_megabyte: beside.
+    """
+
+    memory: int = 500_000_000
+    memory_share: int = 200
+    seconds: int = 5
+    seconds_per_megabyte: float = 2.0
+
+    def of(self, size: int) -> tuple[int, int]:
+        """Bytes and seconds for a file of so many bytes."""
+        return self.memory + self.memory_share * size, self.seconds + int(
+            self.seconds_per_megabyte * size / 1e6
+        )
+
+
+LIMITS = ReadingLimits()
 
 
 def register_vtk_reader() -> None:
@@ -34,9 +61,8 @@ def read_vtk(source: FileSource) -> PolygonSoup:
         UnreadableError: the file is damaged or truncated, or holds something else than a surface.
     """
     # -P: a folder of modules is no place to look for those of the standard library.
-    done = subprocess.run(
-        [sys.executable, "-P", str(_PROGRAM)], input=source.data, capture_output=True, check=False
-    )
+    command = [sys.executable, "-P", str(_PROGRAM), *map(str, LIMITS.of(len(source.data)))]
+    done = subprocess.run(command, input=source.data, capture_output=True, check=False)
     if done.returncode == 1 and done.stderr.strip():
         raise UnreadableError(done.stderr.decode(errors="replace").strip().splitlines()[-1])
     if done.returncode:

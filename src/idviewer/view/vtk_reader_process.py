@@ -1,8 +1,9 @@
 """A program of its own that reads a VTK file from standard input and writes arrays to standard output.
 
 VTK's readers end their process when a damaged array makes them ask for more memory than there is. So they
-have one to themselves, which imports nothing but VTK and numpy. Exit status 1 comes with one line on standard
-error that says what is wrong with the file.
+have one to themselves, which imports nothing but VTK and numpy. Its arguments are the bytes of memory and the
+seconds of computing that reading may take. Exit status 1 comes with one line on standard error that says what
+is wrong with the file.
 """
 
 from __future__ import annotations
@@ -10,7 +11,9 @@ from __future__ import annotations
 import io
 import re
 import sys
+import time
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -147,12 +150,22 @@ def _cells(cells: vtkCellArray | None) -> Cells:
     return corners, sizes
 
 
-def main() -> int:
-    """Answer one file and return the exit status."""
-    with suppress(ImportError):  # there is none on Windows, nor core dumps
+def _limit(memory: int, seconds: int) -> None:
+    """Have the system end this process where reading takes more: counts in a damaged file are any number."""
+    with suppress(ImportError, OSError, ValueError):  # there is none on Windows, nor core dumps
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + seconds,) * 2)
+        pages = int(
+            Path("/proc/self/statm").read_text().split()[0]
+        )  # none on macOS, which knows no such limit
+        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + memory,) * 2)
+
+
+def main() -> int:
+    """Answer one file and return the exit status."""
+    _limit(*map(int, sys.argv[1:3]))
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     window = vtkStringOutputWindow()
     vtkOutputWindow.SetInstance(window)
