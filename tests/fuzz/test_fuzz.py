@@ -1,4 +1,4 @@
-"""Damaged files of every kind: each is read, or refused in one line. `make fuzz` tries thirty times as many."""
+"""Damaged files of every kind are read, or refused in one line; `make fuzz` tries thirty times as many."""
 
 from __future__ import annotations
 

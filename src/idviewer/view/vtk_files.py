@@ -43,7 +43,7 @@ class ReadingLimits:
         )
 
 
-LIMITS = ReadingLimits()
+VTK_LIMITS = ReadingLimits()
 
 
 def register_vtk_reader() -> None:
@@ -61,7 +61,7 @@ def read_vtk(source: FileSource) -> PolygonSoup:
         UnreadableError: the file is damaged or truncated, or holds something else than a surface.
     """
     # -P: a folder of modules is no place to look for those of the standard library.
-    command = [sys.executable, "-P", str(_PROGRAM), *map(str, LIMITS.of(len(source.data)))]
+    command = [sys.executable, "-P", str(_PROGRAM), *map(str, VTK_LIMITS.of(len(source.data)))]
     done = subprocess.run(command, input=source.data, capture_output=True, check=False)
     if done.returncode == 1 and done.stderr.strip():
         raise UnreadableError(done.stderr.decode(errors="replace").strip().splitlines()[-1])
