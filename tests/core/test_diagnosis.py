@@ -9,7 +9,7 @@ import pytest
 from tests.core import shapes
 
 from idviewer.core.shapes.diagnosis import diagnose
-from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.validation.finding_kinds import KINDS
 from idviewer.core.validation.findings import point_text
 
@@ -47,10 +47,9 @@ def test_genus_adds_up_over_components_and_pinched_vertices():
     )
     pinched = diagnose(*shapes.pinched_cubes())
     assert pinched.genus == 0
-    assert pinched.usable
-    assert kinds(pinched) == ["pinched_vertices"]
+    assert kinds(pinched) == ["cut_vertices", "several_components"]
     assert pinched.findings[0].where == (1.0, 1.0, 1.0)
-    assert pinched.findings[0].as_dict()["severity"] == "kept"
+    assert pinched.findings[0].as_dict()["severity"] == "repaired"
 
 
 def test_boundary_edges_are_counted_with_their_loops_and_a_place_on_them():
@@ -73,7 +72,7 @@ def test_several_things_are_found_behind_each_other():
     diagnosis = diagnose(np.concatenate([vertices, [[5, 5, 5]]]), faces)
     expected = ["isolated_vertices", "repeated_vertices", "duplicated_vertices", "several_components"]
     assert kinds(diagnosis) == [*expected, "boundary_edges", "not_orientable"]
-    assert diagnosis.components == (24, 12)
+    assert diagnosis.components == (12, 24)
     assert (diagnosis.input_vertices, diagnosis.input_faces) == (109, 37)
     assert (diagnosis.vertices, diagnosis.faces) == (32, 36)
     assert not diagnosis.usable
@@ -89,8 +88,11 @@ def test_components_are_named_by_size_the_largest_first():
 
 
 def test_non_manifold_edges_are_counted():
-    (finding,) = diagnose(*shapes.non_manifold_cubes()).findings
-    assert finding.message == "1 edge with more than two faces, near (1, 1, 0)"
+    with pytest.raises(MeshError) as caught:
+        Mesh(*shapes.non_manifold_cubes())
+    assert caught.value.findings[0].message == "1 edge with more than two faces, near (1, 1, 0)"
+    # Where it can be told which faces bound the same solid, it is cut.
+    assert kinds(diagnose(*shapes.non_manifold_cubes())) == ["cut_edges", "several_components"]
 
 
 def test_klein_bottle_is_closed_but_has_no_inside():

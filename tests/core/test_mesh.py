@@ -124,7 +124,7 @@ REFUSED = {
         np.concatenate([shapes.cube()[1][:1, ::-1], shapes.cube()[1][1:]]),
     ),
     "the body, which was inside out": (shapes.cube()[0], shapes.cube()[1][:, ::-1]),
-    "2 components with 12, 8 faces": shapes.two_components(),
+    "2 components with 8, 12 faces": shapes.two_components(),
     "no volume": shapes.flat_sheet(),
     "faces must have the shape (m, 3)": shapes.cube_quads(),
     "vertices must have the shape (n, 3)": (shapes.cube()[0][:, :2], shapes.cube()[1]),
@@ -150,7 +150,8 @@ def test_what_could_be_repaired_says_how():
 def test_the_components_can_be_told_from_the_error():
     with pytest.raises(MeshError) as caught:
         Mesh(*shapes.two_components())
-    assert caught.value.components == (12, 8)
+    told = [(one.number, one.faces, round(one.volume, 12)) for one in caught.value.components]
+    assert told == [(1, 8, round(4 / 3, 12)), (2, 12, 1.0)]
     assert [finding.kind for finding in caught.value.findings] == ["several_components"]
 
 

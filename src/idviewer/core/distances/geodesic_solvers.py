@@ -9,13 +9,11 @@ import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.distances.parameters import Extra
+from idviewer.core.distances.shell_geodesics import Solve, shell_solver
 from idviewer.core.errors import DistanceError
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon
 from idviewer.core.shapes.shape import Shape
-
-Solve = Callable[[int], Floats]
-"""From a vertex to the distances of all, in the unit of the vertices."""
 
 EXACT_GEODESICS = Extra("exact-geodesics", "pygeodesic")
 
@@ -53,7 +51,7 @@ class Geodesics:
         if shape.dimension == 2:
             self._solve = edge_path_solver(vertices, cast(Polygon, shape))
         else:
-            self._solve = solvers[method](vertices, cast(Mesh, shape).faces)
+            self._solve = surface_solver(vertices, cast(Mesh, shape), solvers[method])
 
     def from_vertex(self, vertex: int) -> Floats:
         """Distances of all vertices from one, (n,), in the shape's unit.
@@ -71,6 +69,19 @@ class Geodesics:
         found = np.maximum(found, 0.0) * self._scale
         found[vertex] = 0.0
         return found
+
+
+def surface_solver(vertices: Floats, mesh: Mesh, prepare: Callable[[Floats, Ints], Solve]) -> Solve:
+    """Prepare geodesics of a mesh; those between its shells go over the bridges that join them.
+
+    Args:
+        vertices: (n, 3) the mesh's, in any unit.
+        mesh: whose faces and bridges they are.
+        prepare: makes a solver of the vertices and faces of a connected surface.
+    """
+    if len(mesh.shells) == 1:
+        return prepare(vertices, mesh.faces)
+    return shell_solver(vertices, mesh.faces, mesh.shells, mesh.bridges, prepare)
 
 
 def heat_solver(vertices: Floats, faces: Ints) -> Solve:

@@ -15,9 +15,12 @@ from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.mesh_repair import repaired_mesh
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
+from idviewer.core.validation.repair_choices import ComponentChoice, RepairChoices
 
 
-def read_mesh(path: str | os.PathLike[str], component: int | None = None, part: str | None = None) -> Mesh:
+def read_mesh(
+    path: str | os.PathLike[str], component: ComponentChoice | None = None, part: str | None = None
+) -> Mesh:
     """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB or glTF, by its suffix.
 
     What can be repaired is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
@@ -25,7 +28,7 @@ def read_mesh(path: str | os.PathLike[str], component: int | None = None, part: 
 
     Args:
         path: of the file.
-        component: which of several components to take, 1 for the largest.
+        component: which of several components to take, 1 or "largest" for that of the largest volume.
         part: which of several shapes in the file to take, by its name, where the format knows such.
 
     Raises:
@@ -34,7 +37,7 @@ def read_mesh(path: str | os.PathLike[str], component: int | None = None, part: 
     """
     path = Path(path)
     contents = _contents(path, part)
-    mesh = repaired_mesh(contents.geometry, path.stem, one_line(path), component)
+    mesh = repaired_mesh(contents.geometry, path.stem, one_line(path), RepairChoices(component))
     return mesh.with_labels(notes=(*contents.notes, *mesh.notes), unit=contents.unit)
 
 

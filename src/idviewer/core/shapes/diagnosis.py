@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.shape import MeshLike
+from idviewer.core.validation.component import Component
 from idviewer.core.validation.findings import Finding, Point
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
@@ -34,7 +35,9 @@ class Diagnosis:
         vertices: how many.
         faces: how many triangles.
         edges: how many.
-        components: faces of each connected component, the largest first.
+        components: faces of each component, that of the largest volume first; with those around its voids.
+        component_list: number, faces, volume and voids of each.
+        shells: faces of each connected part of the surface, the largest first.
         euler_characteristic: V - E + F; a pinched vertex counts once for every part of the surface that meets
             in it.
         genus: handles of all components together; None unless the surface is closed and two-sided.
@@ -53,6 +56,8 @@ class Diagnosis:
     faces: int
     edges: int
     components: tuple[int, ...]
+    component_list: tuple[Component, ...]
+    shells: tuple[int, ...]
     euler_characteristic: int
     genus: int | None
     boundary_loops: int
@@ -108,8 +113,8 @@ def diagnosis_of(report: ValidationReport) -> Diagnosis:
     source = report.source
     finite = report.vertices[np.isfinite(report.vertices).all(axis=1)]
     bounds = None if len(finite) == 0 else (_point(finite.min(axis=0)), _point(finite.max(axis=0)))
-    blank = {"edges": 0, "components": (), "euler_characteristic": 0, "genus": None}
-    blank |= {"boundary_loops": 0, "area": 0.0, "volume": None}
+    blank = {"edges": 0, "components": (), "component_list": (), "shells": (), "euler_characteristic": 0}
+    blank |= {"genus": None, "boundary_loops": 0, "area": 0.0, "volume": None}
     sizes = {
         "vertices": len(report.vertices),
         "faces": len(report.faces) or len(source.sizes),
@@ -135,7 +140,9 @@ def _measured(report: ValidationReport) -> dict[str, Any]:
     parts = number if corners == len(report.vertices) else topology.edge_components()
     return {
         "edges": len(topology.ends),
-        "components": tuple(np.bincount(of_face).tolist()),
+        "components": tuple(one.faces for one in report.components),
+        "component_list": report.components,
+        "shells": tuple(np.bincount(of_face).tolist()),
         "euler_characteristic": characteristic,
         "genus": (2 * parts - characteristic) // 2 if report.oriented_manifold else None,
         "boundary_loops": topology.boundary_loops() if len(topology.boundary) else 0,

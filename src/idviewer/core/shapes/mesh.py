@@ -13,11 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
+from idviewer.core.shapes.mesh_bridges import Bridge, ShellBridges
+from idviewer.core.validation.body_checks import shell_volumes
+from idviewer.core.validation.component import Component
 from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.finding_kinds import COMPONENT_KINDS
 from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
+from idviewer.core.validation.repair_choices import RepairChoices
 from idviewer.core.validation.soup_repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
@@ -31,11 +35,11 @@ class MeshError(ShapeError):
 
     Attributes:
         findings: what `diagnose` would report; empty if there was nothing to look at, as for a missing file.
-        components: faces of each component, the largest first, where choosing one is the way out; else empty.
+        components: the pieces, the largest volume first, where choosing one is the way out; else empty.
     """
 
     def __init__(
-        self, message: str, findings: tuple[Finding, ...] = (), components: tuple[int, ...] = ()
+        self, message: str, findings: tuple[Finding, ...] = (), components: tuple[Component, ...] = ()
     ) -> None:
         super().__init__(message)
         self.findings = findings
@@ -53,7 +57,7 @@ class MeshError(ShapeError):
         if fatal:
             parts = [finding.message for finding in fatal] + [fatal[0].remedy]
             choosing = any(finding.kind in COMPONENT_KINDS for finding in fatal)
-            several = report.component_sizes if choosing else ()
+            several = report.components if choosing else ()
         else:
             parts = [finding.message for finding in report.findings if not finding.harmless]
             parts, several = [*parts, "idviewer.core.repair_mesh mends this"], ()
@@ -64,6 +68,11 @@ class MeshError(ShapeError):
 @dataclass(frozen=True, eq=False, init=False)
 class Mesh:
     """A closed, two-sided triangle mesh in one piece, wound outward.
+
+    A piece may have voids: closed shells inside the outer one, wound so that the solid lies behind their
+    faces, too. Bridges join all shells, so that heat gets to voids and boundary distances reach them: a
+    minimum spanning tree over the places where shells are nearest. A bridge has a length and a radius but no
+    mass; see `Bridge`. The paper knows one shell, and then there are no bridges.
 
     The constructor takes copies, checks everything and repairs nothing; `idviewer.core.repair_mesh` and
     `idviewer.core.read_mesh` make a Mesh of less perfect input. Vertices in which the surface touches itself
@@ -109,7 +118,7 @@ class Mesh:
             raise MeshError(
                 "faces must have the shape (m, 3); idviewer.core.repair_mesh cuts polygons into triangles"
             )
-        report = validate(polygons)
+        report = validate(polygons, RepairChoices(strict=True))
         if report.repaired:
             raise MeshError.from_report(report, name)
         self._fill(report, tuple(notes))
@@ -198,6 +207,31 @@ class Mesh:
     def edges(self) -> NDArray[np.int64]:
         """Vertices (e, 2) of each edge, the lower index first, in ascending order."""
         return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
+
+    @cached_property
+    def shells(self) -> tuple[NDArray[np.int64], ...]:
+        """Faces of each closed shell: first the outer one, then those around voids, the largest first."""
+        number, of_face = Topology(self.faces, len(self.vertices)).components
+        if number == 1:
+            return (_frozen(np.arange(len(self.faces))),)
+        volumes, _ = shell_volumes(self.vertices, self.faces, of_face, number)
+        order = np.argsort(-np.abs(volumes), kind="stable")
+        return tuple(_frozen(np.flatnonzero(of_face == shell)) for shell in order.tolist())
+
+    @cached_property
+    def shell_bridges(self) -> ShellBridges:
+        """The bridges, and what they conduct."""
+        return ShellBridges(self.vertices, self.faces, self.shells)
+
+    @property
+    def bridges(self) -> tuple[Bridge, ...]:
+        """The bridges that join the shells, one fewer than shells."""
+        return self.shell_bridges.bridges if len(self.shells) > 1 else ()
+
+    @property
+    def bridge_lengths(self) -> NDArray[np.float64]:
+        """Length of each bridge, (h,)."""
+        return np.array([bridge.length for bridge in self.bridges], dtype=np.float64)
 
     @cached_property
     def triangle_quality(self) -> TriangleQuality:

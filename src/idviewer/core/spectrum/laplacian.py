@@ -19,7 +19,8 @@ from idviewer.core.spectrum.intrinsic_laplacian import intrinsic_pair
 def laplacian_of(shape: ShapeLike) -> sparse.csc_array:
     """The stiffness matrix L (n, n) of a shape's boundary.
 
-    `cotangent_laplacian`, or that of `intrinsic_pair` where thin triangles spoil it, or `polygon_laplacian`.
+    `cotangent_laplacian`, or that of `intrinsic_pair` where thin triangles spoil it, and what the bridges
+    between shells conduct (see `Mesh`); or `polygon_laplacian`.
 
     >>> from idviewer.core import Polygon
     >>> laplacian_of(Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])).diagonal().tolist()
@@ -27,7 +28,12 @@ def laplacian_of(shape: ShapeLike) -> sparse.csc_array:
     """
     shape = as_shape(shape)
     if isinstance(shape, Mesh):
-        return cotangent_laplacian(shape) if shape.triangle_quality.acceptable else intrinsic_pair(shape)[0]
+        surface = (
+            cotangent_laplacian(shape) if shape.triangle_quality.acceptable else intrinsic_pair(shape)[0]
+        )
+        if len(shape.shells) == 1:
+            return surface
+        return sparse.csc_array(surface + shape.shell_bridges.laplacian())
     return polygon_laplacian(_polygon(shape))
 
 

@@ -42,6 +42,38 @@ KINDS = {
         "vertex that coincides with another", "vertices that coincide with others", repair="kept apart"
     ),
     "duplicate_faces": Kind("duplicate face", "duplicate faces", repair="left out"),
+    "double_sided": Kind(
+        "face that is there a second time, from behind,",
+        "faces that are there a second time, from behind,",
+        repair="taken once",
+    ),
+    "inner_walls": Kind(
+        "face inside the body (an inner wall)",
+        "faces inside the body (inner walls)",
+        remedy="have inner walls left out, with drop_walls=True",
+    ),
+    "fins": Kind(
+        "face that bounds no solid (a fin)",
+        "faces that bound no solid (fins)",
+        remedy="have fins left out, with drop_walls=True",
+    ),
+    "cut_edges": Kind(
+        "edge with more than two faces, where the body touches itself,",
+        "edges with more than two faces, where the body touches itself,",
+        repair="cut into copies with two faces each",
+    ),
+    "cut_vertices": Kind(
+        "vertex in which parts of the surface meet",
+        "vertices in which parts of the surface meet",
+        repair="cut into copies, one for each part",
+    ),
+    "crossing_shells": Kind("", "", remedy="unite them"),
+    "voids": Kind(
+        "shell inside the body",
+        "shells inside the body",
+        repair="taken for the boundary of a void",
+    ),
+    "turned_shells": Kind("", "", repair="turned"),
     "nearby_vertices": Kind(
         "boundary vertex",
         "boundary vertices",
@@ -74,8 +106,8 @@ KINDS = {
     "uneven_triangles": Kind("", "", repair="bridged by an intrinsic Delaunay triangulation"),
 }
 
-HARMLESS_KINDS = ("touching_vertices", "pinched_vertices", "uneven_triangles")
+HARMLESS_KINDS = ("touching_vertices", "pinched_vertices", "uneven_triangles", "voids")
 """Kinds that a mesh may have: they are reported, and nothing is done about them."""
 
-COMPONENT_KINDS = ("several_components", "no_such_component")
+COMPONENT_KINDS = ("several_components", "no_such_component", "crossing_shells")
 """Kinds that choosing one of the components does away with."""

@@ -106,18 +106,6 @@ def stated(
     return Finding(kind, count, message, where, terms.repair or None, terms.remedy, subject)
 
 
-def several(sizes: tuple[int, ...]) -> Finding:
-    """The finding that names several components, the largest first.
-
-    >>> several((8, 4)).message
-    '2 components with 8, 4 faces'
-    """
-    named = ", ".join(f"{size:,}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
-    finding = counted("several_components", len(sizes), f" with {named} faces")
-    remedy = f"choose one by its number, component=1 (the largest) to component={len(sizes)}"
-    return Finding(**{**vars(finding), "remedy": remedy})
-
-
 def point_text(point: Floats, size: float) -> str:
     """A point in words, with as many digits as a mesh of the given size needs.
 

@@ -7,20 +7,23 @@ from functools import partial
 import numpy as np
 
 from idviewer.core.validation import soup_repairs as repairs
-from idviewer.core.validation.findings import Finding, counted, several, stated
+from idviewer.core.validation.body_checks import check_bodies, wind_shells
+from idviewer.core.validation.edge_checks import check_edges, drop_copies, find_open_edges, is_double_sided
+from idviewer.core.validation.findings import Finding, counted, stated
 from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
+from idviewer.core.validation.repair_choices import NO_CHOICES, RepairChoices
 from idviewer.core.validation.tolerances import TOLERANCES
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import triangle_quality_of
 from idviewer.core.validation.validation_report import ValidationReport
 
 
-def validate(polygons: PolygonSoup, component: int | None = None) -> ValidationReport:
+def validate(polygons: PolygonSoup, choices: RepairChoices = NO_CHOICES) -> ValidationReport:
     """Check everything that can be wrong with a mesh, and repair what can be.
 
     Args:
         polygons: as read; nothing about them needs to be right.
-        component: which of several components to take, 1 for the largest.
+        choices: what a user decides about it.
 
     >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     >>> report = validate(PolygonSoup.of(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [3, 2, 1]]))
@@ -33,12 +36,15 @@ def validate(polygons: PolygonSoup, component: int | None = None) -> ValidationR
         _check_coordinates,
         _triangulate_polygons,
         _merge_duplicates,
+        drop_copies,
         _close_gaps,
-        partial(_choose_component, component=component),
-        _check_edges,
+        partial(check_edges, choices=choices),
+        partial(check_bodies, choices=choices),
+        find_open_edges,
         _orient_consistently,
         _remove_zero_area_faces,
-        _check_volume,
+        wind_shells,
+        _find_pinched_vertices,
         _check_triangle_quality,
     )
     for check in checks:
@@ -117,20 +123,23 @@ def _merge_duplicates(report: ValidationReport) -> None:
             or len(Topology(merged.faces, len(merged.vertices)).non_manifold_edges) > 0
         )
         apart = spoiled and report.is_closed()
+        if apart and is_double_sided(merged.faces, len(merged.vertices)):
+            _take_once(report, merged)
+            return
         kind = "touching_vertices" if apart else "duplicated_vertices"
         report.add(counted(kind, count, place=place))
         if not apart:
             report.renumber(merged.vertices, merged.faces, merged.became)
             _stop_without_faces(report)
-    if not report.stopped and not report.oriented_manifold:
-        # The two sides of a sheet, joined at its rim alone, are no copies: its edges have two faces each.
-        copies = repairs.duplicates_of_earlier(
-            report.faces, either_winding=len(report.topology.non_manifold_edges) > 0
-        )
-        if copies.any():
-            place = report.near(report.faces[np.argmax(copies), 0])
-            report.add(counted("duplicate_faces", int(np.count_nonzero(copies)), place=place))
-            report.keep(~copies)
+
+
+def _take_once(report: ValidationReport, merged: repairs.Merged) -> None:
+    """Merge the vertices of faces that are there from both sides, and take each of these once."""
+    copies = repairs.duplicates_of_earlier(merged.faces, either_winding=True)
+    place = merged.vertices[merged.faces[np.argmax(copies), 0]], report.size
+    report.add(counted("double_sided", int(np.count_nonzero(copies)), place=place))
+    report.renumber(merged.vertices, merged.faces, merged.became)
+    report.keep(~copies)
 
 
 def _close_gaps(report: ValidationReport) -> None:
@@ -143,38 +152,6 @@ def _close_gaps(report: ValidationReport) -> None:
     if merged.gone and len(merged.faces) and Topology(merged.faces, len(merged.vertices)).closed:
         report.add(counted("nearby_vertices", merged.gone, place=report.near(rim[0])))
         report.renumber(merged.vertices, merged.faces, merged.became)
-
-
-def _choose_component(report: ValidationReport, component: int | None) -> None:
-    """Take one of several components if it was chosen; else the finding names them."""
-    number, of_face = report.topology.components
-    report.component_sizes = tuple(np.bincount(of_face).tolist())
-    if component is not None and not 1 <= component <= number:
-        have = "there is only one" if number == 1 else f"they are numbered from 1, the largest, to {number:,}"
-        return report.stop(stated("no_such_component", f"no component {component}: {have}"))
-    if number == 1:
-        return None
-    if component is None:
-        report.add(several(report.component_sizes))
-    else:
-        chosen = of_face == component - 1
-        faces = f"{np.count_nonzero(chosen):,} of {len(chosen):,} faces"
-        report.add(stated("chosen_component", f"component {component} of {number:,} ({faces})"))
-        report.keep(chosen)
-    return None
-
-
-def _check_edges(report: ValidationReport) -> None:
-    """Find holes, and edges with more than two faces."""
-    topology = report.topology
-    if len(topology.non_manifold_edges):
-        place = report.near(topology.ends[topology.non_manifold_edges[0], 0])
-        report.add(counted("non_manifold_edges", len(topology.non_manifold_edges), place=place))
-    if len(topology.boundary):
-        loops = topology.boundary_loops()
-        place = report.near(topology.ends[topology.boundary[0], 0])
-        detail = f" in {loops:,} {'loop' if loops == 1 else 'loops'}"
-        report.add(counted("boundary_edges", len(topology.boundary), detail, place))
 
 
 def _orient_consistently(report: ValidationReport) -> None:
@@ -216,17 +193,10 @@ def _without_zero_area_faces(report: ValidationReport) -> bool:
     return not repairs.zero_area_faces(report.vertices, report.faces).any()
 
 
-def _check_volume(report: ValidationReport) -> None:
-    """Refuse bodies without volume, flip those that are inside out, and find pinched vertices."""
+def _find_pinched_vertices(report: ValidationReport) -> None:
+    """Find vertices in which the surface still touches itself."""
     if report.fatal:
         return
-    volume, area = repairs.volume_and_area(report.vertices, report.faces)
-    if abs(volume) <= TOLERANCES.volume * area**1.5:
-        report.add(stated("no_volume", "no volume: the surface is closed but encloses nothing"))
-        return
-    if volume < 0:
-        report.add(stated("inside_out", "the body, which was inside out,"))
-        report.faces = report.faces[:, ::-1]
     visits = np.bincount(report.topology.vertex_fans(), minlength=len(report.vertices))
     if (visits > 1).any():
         pinched = np.flatnonzero(visits > 1)

@@ -74,6 +74,20 @@ def duplicates_of_earlier(faces: Ints, either_winding: bool) -> Bools:
     return copies
 
 
+def net_windings(faces: Ints) -> Ints:
+    """How often each face is there with its winding, less how often with the opposite one, (m,).
+
+    >>> net_windings(np.array([[0, 1, 2], [1, 2, 0], [2, 1, 0], [0, 1, 3]])).tolist()
+    [1, 1, -1, 1]
+    """
+    turns = np.argmin(faces, axis=1)[:, None] + np.arange(3)
+    turned = np.take_along_axis(faces, turns % 3, axis=1)
+    signs = np.where(turned[:, 1] < turned[:, 2], 1, -1)
+    _, groups = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True)
+    groups = groups.ravel()
+    return signs * np.bincount(groups, signs).astype(np.int64)[groups]
+
+
 def numbers_of_used(corners: Ints, count: int) -> Ints:
     """The new number of each vertex once those without a face are dropped, (count,); -1 for these.
 

@@ -72,6 +72,11 @@ class Topology:
         starts = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]])) if len(keys) else order
         return order, starts, keys[starts]
 
+    @property
+    def half_edges_by_edge(self) -> Ints:
+        """All half-edges, those of one edge together, in the order of `ends`, (3m,)."""
+        return self._sorted[0]
+
     @cached_property
     def tails(self) -> Ints:
         """The vertex that each half-edge starts at, (3m,)."""
@@ -147,7 +152,12 @@ class Topology:
         return component_labels(len(self.faces), f, g)[0]
 
     def faces_to_flip(self) -> Bools | None:
-        """Tell which faces to flip so that all are wound alike, (m,); None if the surface is one-sided.
+        """Tell which faces to flip so that all are wound alike, (m,); None if the surface is one-sided."""
+        flipped, one_sided = self.windings()
+        return None if one_sided.any() else flipped
+
+    def windings(self) -> tuple[Bools, Bools]:
+        """Tell which faces to flip so that all are wound alike, and which are of one-sided parts, (m,) each.
 
         Each face has two sides; an edge joins sides that agree. On a one-sided surface both sides of a face
         are connected. Of two consistent windings the one that flips fewer faces is taken.
@@ -159,11 +169,10 @@ class Topology:
         sides_b = np.concatenate([np.where(opposed, g + count, g), np.where(opposed, g, g + count)])
         number, labels = component_labels(2 * count, sides_a, sides_b)
         front, back = labels[:count], labels[count:]
-        if np.any(front == back):
-            return None
         # A part's two labels tell how many of its faces each winding keeps as they are.
         kept = np.bincount(front, minlength=number)
-        return (kept[front] < kept[back]) | ((kept[front] == kept[back]) & (front > back))
+        flipped = (kept[front] < kept[back]) | ((kept[front] == kept[back]) & (front > back))
+        return flipped, front == back
 
     def vertex_fans(self) -> Ints:
         """The vertex of every cycle of faces around a vertex, (u,); on a manifold each vertex appears once.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from idviewer.core.arrays import Bools, Floats, Ints
+from idviewer.core.validation.component import Component
 from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.finding_kinds import HARMLESS_KINDS
 from idviewer.core.validation.findings import Finding
@@ -21,7 +22,8 @@ class ValidationReport:
         source: the polygons that were given.
         polygons: those of them that refer to vertices, without isolated vertices.
         findings: in the order in which they were made.
-        component_sizes: faces of each component, the largest first; empty until they are counted.
+        components: the pieces of the mesh, that of the largest volume first; empty until they are found.
+        windings: (m,) how often each face was given as it is, less how often from behind; None for once.
         stopped: nothing can be checked behind the last finding.
         triangle_quality: of the surface; None if it was not looked at.
         vertices: (n, 3); a repair that changes them goes through `renumber` or `split`.
@@ -32,7 +34,8 @@ class ValidationReport:
         self.source = polygons
         self.polygons = polygons
         self.findings: list[Finding] = []
-        self.component_sizes: tuple[int, ...] = ()
+        self.components: tuple[Component, ...] = ()
+        self.windings: Ints | None = None
         self.stopped = False
         self.triangle_quality: TriangleQuality | None = None
         self.vertices = polygons.vertices
