@@ -14,6 +14,9 @@ from idviewer.core.shapes.mesh_bridges import Bridge
 Solve = Callable[[int], Floats]
 """From a vertex to the distances of all, in the unit of the vertices."""
 
+ON_EDGE = 1e-9
+"""Barycentric coordinate up to which a point of a face lies on the side opposite to the corner."""
+
 
 def shell_solver(
     vertices: Floats,
@@ -73,8 +76,11 @@ class _End:
         self, vertices: Floats, faces: Ints, bridge: Bridge, side: int, along: Callable[[int], Floats]
     ) -> None:
         self.shell = bridge.shells[side]
-        self._corners = faces[bridge.faces[side]]
-        self.point = bridge.shares[side] @ vertices[self._corners]
+        corners, shares = faces[bridge.faces[side]], bridge.shares[side]
+        self.point = shares @ vertices[corners]
+        # An end on an edge or in a vertex is reached over these alone: methods that are off by some percent
+        # would find a way around that is shorter.
+        self._corners = corners[shares > ON_EDGE]
         self._steps = np.linalg.norm(vertices[self._corners] - self.point, axis=1)
         fields = [step + along(int(corner)) for step, corner in zip(self._steps, self._corners, strict=True)]
         self.field = np.minimum.reduce(fields)

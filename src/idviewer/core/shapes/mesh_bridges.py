@@ -29,6 +29,8 @@ class BridgeSettings:
         preference: of places that are about as near, one may be farther by this share of how much farther
             it lies in a fixed direction: so it is about the same place on all meshes of a body, however
             symmetric.
+        equally_near: share of the shortest distance; the middle of all places that are no farther is taken.
+        aligned: cosine between bridges from one such place and from another.
         fewest_threads: of a bridge.
         most_threads: of a bridge.
         threads_per_edge: on fine meshes, threads lie nearer than edges are long, by this factor.
@@ -38,6 +40,8 @@ class BridgeSettings:
     radius: float = 1.0 / math.pi
     least_length: float = 1e-3
     preference: float = 0.01
+    equally_near: float = 0.01
+    aligned: float = 0.9
     fewest_threads: int = 64
     most_threads: int = 4096
     threads_per_edge: float = 2.0
@@ -136,10 +140,16 @@ class ShellBridges:
 
     def _contact(self, one: int, other: int) -> _Contact:
         """Where two shells are nearest."""
-        pairs = [self._pairs(one, other), self._pairs(other, one)[:, ::-1]]
-        ends = np.concatenate(pairs)
+        ends = np.concatenate([self._pairs(one, other), self._pairs(other, one)[:, ::-1]])
         lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        a, b = ends[np.argmin(lengths - BRIDGES.preference * (ends[:, 0] @ PREFERRED_DIRECTION))]
+        best = int(np.argmin(lengths - BRIDGES.preference * (ends[:, 0] @ PREFERRED_DIRECTION)))
+        # Where surfaces run side by side, a bridge stands in the middle of that stretch, not on its rim.
+        ways = (ends[:, 1] - ends[:, 0]) / np.maximum(lengths, np.finfo(float).tiny)[:, None]
+        near = lengths <= (1.0 + BRIDGES.equally_near) * lengths[best]
+        near &= ways @ ways[best] >= BRIDGES.aligned
+        near[best] = True
+        a = 0.5 * (ends[near, 0].min(axis=0) + ends[near, 0].max(axis=0))
+        a = b = self._surfaces[one].closest(a[None]).points[0]
         for _ in range(BRIDGES.turns):
             last = a
             b = self._surfaces[other].closest(a[None]).points[0]
@@ -153,10 +163,9 @@ class ShellBridges:
         points, target = self._vertices[self._numbers[one]], self._surfaces[other]
         reach = target.vertex_distances(points)
         corners = self._vertices[self._numbers[other]]
-        low, high = corners.min(axis=0) - reach.min(), corners.max(axis=0) + reach.min()
         # The preference is worth less than the extent of either shell.
-        margin = BRIDGES.preference * float(np.ptp(points, axis=0).max())
-        low, high = low - margin, high + margin
+        margin = reach.min() + BRIDGES.preference * float(np.ptp(points, axis=0).max())
+        low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
         points = points[((points >= low) & (points <= high)).all(axis=1) | (reach == reach.min())]
         return np.stack([points, target.closest(points).points], axis=1)
 
