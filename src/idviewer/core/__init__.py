@@ -28,6 +28,7 @@ from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.single_call import interior_distance
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.io.bundled_shapes import sample_names, sample_path
+from idviewer.core.io.mesh_writers import write_mesh
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
 from idviewer.core.sampling.basis_samples import SourceError
@@ -105,5 +106,6 @@ __all__ = [
     "slice_values",
     "voronoi_areas",
     "voronoi_lengths",
+    "write_mesh",
     "write_polygon",
 ]
