@@ -7,7 +7,7 @@ import pytest
 from tests.core import shapes
 from tests.core.voxels import box, emptied, voxel_surface
 
-from idviewer.core import Mesh, MeshError, repair_mesh
+from idviewer.core import Mesh, MeshError, Repairs, repair_mesh
 from idviewer.core.shapes.mesh_repair import repair_meshes
 from idviewer.core.validation.topology import Topology
 
@@ -113,7 +113,7 @@ def test_inner_walls_are_named_and_can_be_left_out(twice):
         MeshError, match=r"2 faces inside the body \(inner walls\), near \(1, .*drop_walls=True"
     ):
         repair_mesh(*with_wall(twice))
-    mesh = repair_mesh(*with_wall(twice), drop_walls=True)
+    mesh = repair_mesh(*with_wall(twice), repairs=Repairs(drop_walls=True))
     assert mesh.volume == pytest.approx(2.0)
     assert mesh.area == pytest.approx(10.0)
     assert "2 faces inside the body (inner walls) were left out." in mesh.notes
@@ -125,7 +125,7 @@ def test_a_fin_is_named_and_can_be_left_out():
     arrays = np.concatenate([vertices, [[0.5, -1.0, -1.0]]]), fin
     with pytest.raises(MeshError, match=r"1 face that bounds no solid \(a fin\)"):
         repair_mesh(*arrays)
-    mesh = repair_mesh(*arrays, drop_walls=True)
+    mesh = repair_mesh(*arrays, repairs=Repairs(drop_walls=True))
     assert mesh.volume == pytest.approx(1.0)
     assert len(mesh.vertices) == 8
     assert mesh.file_vertices[8] == -1

@@ -17,6 +17,7 @@ from cyclopts import App, CycloptsError
 import idviewer
 from idviewer.cli import commands, distance_options, output, parsing
 from idviewer.cli.options import (
+    BodyChoice,
     DisplayOptions,
     DistanceOptions,
     Endpoints,
@@ -25,6 +26,7 @@ from idviewer.cli.options import (
     PartName,
     PictureQuery,
     ReadingOptions,
+    RepairOptions,
 )
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
@@ -152,7 +154,14 @@ def barycentroid(
 
 
 @app.command
-def info(shape: str, /, *, part: PartName = None, json: Flag = False) -> int:
+def info(
+    shape: str,
+    /,
+    *,
+    part: PartName = None,
+    repairs: RepairOptions = RepairOptions(),
+    json: Flag = False,
+) -> int:
     """Print a shape's sizes and everything that is wrong with it; exit status 2 if it cannot be used.
 
     Args:
@@ -164,9 +173,35 @@ def info(shape: str, /, *, part: PartName = None, json: Flag = False) -> int:
 
     path = parsing.path_of(shape)
     report = shape_info.polygon if shape_info.is_polygon(path) else shape_info.mesh
-    text, usable = report(shape, path, part, json)
+    text, usable = report(shape, path, part, parsing.repairs_of(repairs), json)
     print(text)
     return 0 if usable else BAD_INPUT
+
+
+@app.command
+def repair(
+    mesh: str,
+    out: Path,
+    /,
+    *,
+    repairs: RepairOptions = RepairOptions(),
+    choice: BodyChoice = BodyChoice(),
+    overwrite: Flag = False,
+    json: Flag = False,
+) -> None:
+    """Write a mesh without its faults, and print what was changed; exit status 2 if it still cannot be used.
+
+    Args:
+        mesh: A file, or the name of a bundled shape.
+        out: A file that ends in .ply, .off, .obj or .stl.
+        overwrite: Let OUT be the file that is read.
+        json: Print JSON.
+    """
+    from idviewer.cli import mesh_repair
+
+    path = parsing.path_of(mesh)
+    mesh_repair.check_output(out, path, overwrite)
+    print(mesh_repair.repaired(path, out, parsing.repairs_of(repairs), choice, json))
 
 
 @app.command

@@ -22,6 +22,7 @@ ParameterTexts = Annotated[
     Parameter(allow_leading_hyphen=True, negative="", show_default=False, metavar="NAME=VALUE"),
 ]
 PartName = Annotated[str | None, Parameter(metavar="NAME", allow_leading_hyphen=True)]
+Component = Annotated[int | None, Parameter(metavar="N")]
 NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
 
 
@@ -99,15 +100,48 @@ class Endpoints:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class ReadingOptions:
+class RepairOptions:
+    """Repairs that change a mesh, and are made only where they are asked for.
+
+    Attributes:
+        weld: Close gaps up to this width, in the shape's unit.
+        fill_holes: Fill holes of at most so many edges.
+        drop_walls: Leave out walls inside, and faces that bound no solid.
+    """
+
+    weld: Annotated[float | None, Parameter(metavar="W", allow_leading_hyphen=True)] = None
+    fill_holes: Annotated[int | None, Parameter(metavar="N", allow_leading_hyphen=True)] = None
+    drop_walls: Flag = False
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class BodyChoice:
+    """Which of several bodies is meant.
+
+    Attributes:
+        component: Which of a mesh's components to take, 1 for the largest.
+        part: Which of several shapes in a file to take, by its name.
+    """
+
+    component: Component = None
+    part: PartName = None
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ReadingOptions(RepairOptions):
     """Options for reading a shape and its eigenpairs.
 
     Attributes:
+        weld: Close gaps of a mesh up to this width, in its unit.
+        fill_holes: Fill a mesh's holes of at most so many edges.
+        drop_walls: Leave out a mesh's walls inside, and faces that bound no solid.
         component: Which of a mesh's components to take, 1 for the largest.
         part: Which of several shapes in a file to take, by its name.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
 
-    component: Annotated[int | None, Parameter(metavar="N")] = None
+    component: Component = None
     part: PartName = None
     no_cache: NoCache = False

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from idviewer.cli.options import ReadingOptions
-    from idviewer.core import Shape
+    from idviewer.cli.options import ReadingOptions, RepairOptions
+    from idviewer.core import Repairs, Shape
 
 BARYCENTROID = "barycentroid"
 MAX_PICTURE_SIDE_PX = 8192
@@ -59,11 +59,23 @@ def shape_of(name: str, reading: ReadingOptions | None = None) -> Shape:
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    component, part = (None, None) if reading is None else (reading.component, reading.part)
-    shape = read_shape(path_of(name), component, part=part)
+    if reading is None:
+        shape = read_shape(path_of(name))
+    else:
+        repairs = repairs_of(reading)
+        shape = read_shape(path_of(name), reading.component, part=reading.part, repairs=repairs)
     for note in shape.notes:
         print(f"idviewer: {name}: {note}", file=sys.stderr)
     return shape
+
+
+def repairs_of(options: RepairOptions) -> Repairs:
+    """The repairs that options ask for."""
+    from dataclasses import fields
+
+    from idviewer.core import Repairs
+
+    return Repairs(**{one.name: getattr(options, one.name) for one in fields(Repairs)})
 
 
 def point_of(text: str, option: str, dimension: int | None = None) -> Point:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from idviewer.cli import output
 
 if TYPE_CHECKING:
-    from idviewer.core import Polygon
+    from idviewer.core import Polygon, Repairs
     from idviewer.core.shapes import Diagnosis
 
 TITLE_WIDTH = 16
@@ -23,23 +23,24 @@ def is_polygon(path: Path) -> bool:
     return path.suffix.lower() in readable_suffixes(2) and not path.is_dir()
 
 
-def mesh(name: str, path: Path, part: str | None, json: bool) -> tuple[str, bool]:
-    """The report on a mesh, in words or JSON, and whether it can be used."""
+def mesh(name: str, path: Path, part: str | None, repairs: Repairs, json: bool) -> tuple[str, bool]:
+    """The report on a mesh after repairs, in words or JSON, and whether it can be used."""
     from idviewer.core.io import inspect_file
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    diagnosis = inspect_file(path, part)
+    diagnosis = inspect_file(path, part, repairs)
     text = output.as_json({"mesh": name, **diagnosis.as_dict()}) if json else _report(name, diagnosis)
     return text, diagnosis.usable
 
 
-def polygon(name: str, path: Path, part: str | None, json: bool) -> tuple[str, bool]:
+def polygon(name: str, path: Path, part: str | None, repairs: Repairs, json: bool) -> tuple[str, bool]:
     """The report on a polygon, in words or JSON, and whether it can be used."""
-    from idviewer.core import PolygonError, read_polygon
+    from idviewer.core import Polygon, PolygonError, read_shape
 
     try:
-        made = read_polygon(path, part=part)
+        made = read_shape(path, part=part, repairs=repairs)
+        assert isinstance(made, Polygon)
     except PolygonError as error:
         problem = str(error)
         if json:
@@ -88,13 +89,16 @@ def _box(corners: Iterable[Iterable[float]]) -> str:
 def _report(name: str, diagnosis: Diagnosis) -> str:
     lines = [name, *(f"  {title:<{TITLE_WIDTH}}{value}" for title, value in _sizes(diagnosis))]
     for finding in diagnosis.findings:
+        incurable = "a repair mends it, see below" if diagnosis.advice else "cannot be mended"
         fate = (
-            finding.remedy or "cannot be mended"
+            (not diagnosis.advice and finding.remedy) or incurable
             if finding.fatal
             else f"is {finding.repair} when it is opened"
         )
         lines.append(f"  {'problem' if finding.fatal else 'note':<{TITLE_WIDTH}}{finding.message}; {fate}")
     lines += [_line("note", note) for note in diagnosis.notes]
+    if diagnosis.advice:
+        lines.append(_line("repair", f"idviewer repair {name} OUT {diagnosis.advice}"))
     if not diagnosis.findings:
         lines.append(f"  {'faults':<{TITLE_WIDTH}}none")
     lines.append(f"  {'usable':<{TITLE_WIDTH}}{'yes' if diagnosis.usable else 'no'}")

@@ -39,6 +39,7 @@ from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.polygon import Polygon, PolygonError
+from idviewer.core.shapes.repairs import Repairs
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.slices.mesh_sections import Section, section
 from idviewer.core.slices.polygon_sections import polygon_section
@@ -76,6 +77,7 @@ __all__ = [
     "Polygon",
     "PolygonError",
     "Property",
+    "Repairs",
     "Section",
     "Shape",
     "ShapeError",

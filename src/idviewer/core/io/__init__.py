@@ -5,7 +5,7 @@ from idviewer.core.io.bundled_shapes import DEFAULT_SAMPLE, Sample, all_samples,
 from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.formats import add_reader, readable_suffixes
 from idviewer.core.io.mesh_writers import check_mesh_path, writable_suffixes, write_mesh
-from idviewer.core.io.meshes import inspect_file, read_mesh
+from idviewer.core.io.meshes import inspect_file, read_body, read_mesh
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
 from idviewer.core.io.text import UnreadableError
 
@@ -22,6 +22,7 @@ __all__ = [
     "atomic_path",
     "check_mesh_path",
     "inspect_file",
+    "read_body",
     "read_mesh",
     "read_polygon",
     "read_shape",

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from pathlib import Path
 
 from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.files import bytes_of
 from idviewer.core.io.formats import format_of, one_line
 from idviewer.core.io.text import UnreadableError
-from idviewer.core.shapes.diagnosis import Diagnosis, diagnosis_of
+from idviewer.core.shapes.diagnosis import Diagnosis
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.shapes.mesh_repair import repaired_mesh
-from idviewer.core.validation.mesh_checks import validate
+from idviewer.core.shapes.raw_body import RawBody
+from idviewer.core.shapes.repairs import NO_REPAIRS, Repairs
 from idviewer.core.validation.polygon_soup import PolygonSoup
-from idviewer.core.validation.repair_choices import ComponentChoice, RepairChoices
+from idviewer.core.validation.repair_choices import ComponentChoice
 
 
 def read_mesh(
-    path: str | os.PathLike[str], component: ComponentChoice | None = None, part: str | None = None
+    path: str | os.PathLike[str],
+    component: ComponentChoice | None = None,
+    part: str | None = None,
+    repairs: Repairs = NO_REPAIRS,
 ) -> Mesh:
     """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB or glTF, by its suffix.
 
@@ -30,29 +32,45 @@ def read_mesh(
         path: of the file.
         component: which of several components to take, 1 or "largest" for that of the largest volume.
         part: which of several shapes in the file to take, by its name, where the format knows such.
+        repairs: those that change the shape, to be made first; none by default.
 
     Raises:
         MeshError: there is no such file, it cannot be read, it is damaged, or what it holds is no closed
-            surface. The message is one line that names the file.
+            surface. The message is one line that names the file, and the repairs that would close it.
+    """
+    return read_body(path, component, part).repaired(repairs).mesh_from(one_line(path))
+
+
+def read_body(path: str | os.PathLike[str], component: ComponentChoice | None = None, part: str | None = None) -> RawBody:
+    """Read the polygons in a file, whether or not they make a mesh.
+
+    Args:
+        path: of the file.
+        component: as in `read_mesh`.
+        part: likewise.
+
+    Raises:
+        MeshError: there is no such file, or it cannot be read, or it is damaged.
     """
     path = Path(path)
     contents = _contents(path, part)
-    mesh = repaired_mesh(contents.geometry, path.stem, one_line(path), RepairChoices(component))
-    return mesh.with_labels(notes=(*contents.notes, *mesh.notes), unit=contents.unit)
+    return RawBody(contents.geometry, path.stem, contents.notes, contents.unit, component)
 
 
-def inspect_file(path: str | os.PathLike[str], part: str | None = None) -> Diagnosis:
+def inspect_file(
+    path: str | os.PathLike[str], part: str | None = None, repairs: Repairs = NO_REPAIRS
+) -> Diagnosis:
     """Find the sizes of the mesh in a file and everything that is wrong with it, however unusable.
 
     Args:
         path: of the file.
         part: as in `read_mesh`.
+        repairs: likewise.
 
     Raises:
         MeshError: there is no such file, or it cannot be read, or it is damaged.
     """
-    contents = _contents(Path(path), part)
-    return replace(diagnosis_of(validate(contents.geometry)), notes=contents.notes, unit=contents.unit)
+    return read_body(path, part=part).repaired(repairs).diagnosis
 
 
 def _contents(path: Path, part: str | None) -> Contents[PolygonSoup]:

@@ -16,6 +16,7 @@ from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon, PolygonError
+from idviewer.core.shapes.repairs import NO_REPAIRS, Repairs
 from idviewer.core.shapes.shape import PolygonLike, as_polygon
 
 
@@ -55,6 +56,7 @@ def read_shape(
     component: int | None = None,
     samples: int | None = None,
     part: str | None = None,
+    repairs: Repairs = NO_REPAIRS,
 ) -> Mesh | Polygon:
     """Read the mesh or the polygon in a file, by its suffix; see `read_mesh` and `read_polygon`.
 
@@ -63,6 +65,7 @@ def read_shape(
         component: which of a mesh's components to take, 1 for the largest.
         samples: how many points to take along a polygon's boundary.
         part: which of several shapes in the file to take, by its name.
+        repairs: of a mesh: those that change the shape, to be made first; none by default.
 
     Raises:
         ShapeError: a MeshError or a PolygonError.
@@ -76,6 +79,10 @@ def read_shape(
     if suffix in readable_suffixes(2):
         if component is not None:
             raise PolygonError(f"{one_line(path)}: a polygon has no components; leave the component out")
+        if repairs:
+            raise PolygonError(
+                f"{one_line(path)}: only meshes are repaired by name; leave {repairs.options} out"
+            )
         return read_polygon(path, samples, part)
     if samples is not None:
         raise ShapeError(
@@ -83,7 +90,7 @@ def read_shape(
         )
     if path.is_file() and (problem := why_unreadable(path)):
         raise ShapeError(f"{one_line(path)}: {problem}")
-    return read_mesh(path, component, part)
+    return read_mesh(path, component, part, repairs)
 
 
 def write_polygon(polygon: PolygonLike, path: str | os.PathLike[str]) -> None:

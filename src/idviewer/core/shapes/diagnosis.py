@@ -50,6 +50,8 @@ class Diagnosis:
         findings: what is wrong, in the order in which it was found; empty for a faultless mesh.
         notes: what the file's reader passed over or understood in some way, one sentence each.
         unit: of the coordinates; empty where the file does not say.
+        advice: options of the command line for the repairs that make it usable; empty where it is, or where
+            they do not, or where nobody has looked.
     """
 
     vertices: int
@@ -69,6 +71,7 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     notes: tuple[str, ...] = ()
     unit: str = ""
+    advice: str = ""
 
     @property
     def usable(self) -> bool:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.validation.mesh_checks import validate
+from idviewer.core.shapes.raw_body import RawBody
+from idviewer.core.shapes.repairs import NO_REPAIRS, Repairs
 from idviewer.core.validation.polygon_soup import PolygonSoup
-from idviewer.core.validation.repair_choices import NO_CHOICES, ComponentChoice, RepairChoices
+from idviewer.core.validation.repair_choices import ComponentChoice
 
 
 def repair_mesh(
@@ -18,7 +18,7 @@ def repair_mesh(
     faces: ArrayLike | Sequence[Sequence[int]],
     name: str = "",
     component: ComponentChoice | None = None,
-    drop_walls: bool = False,
+    repairs: Repairs = NO_REPAIRS,
 ) -> Mesh:
     """Make a Mesh of vertices and faces that may need repairs.
 
@@ -34,7 +34,7 @@ def repair_mesh(
         name: of the mesh, and of the error.
         component: which of several components to take, 1 or "largest" for that of the largest volume. The
             shells of voids go with the shell around them.
-        drop_walls: leave out faces that have the solid on both sides, or on neither; else they are refused.
+        repairs: those that change the shape, to be made first; none by default.
 
     Raises:
         MeshError: what is wrong cannot be repaired.
@@ -43,18 +43,20 @@ def repair_mesh(
     >>> repair_mesh(soup, [[1, 2, 0], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).notes
     ('1 isolated vertex was dropped.', '1 face wound against its neighbours was turned.')
     """
-    return repaired_mesh(
-        _soup_of(vertices, faces, name), name, name, RepairChoices(_checked(component), drop_walls)
-    )
+    body = RawBody(_soup_of(vertices, faces, name), name, component=_checked(component))
+    return body.repaired(repairs).mesh
 
 
 def repair_meshes(
-    vertices: ArrayLike, faces: ArrayLike | Sequence[Sequence[int]], name: str = "", drop_walls: bool = False
+    vertices: ArrayLike,
+    faces: ArrayLike | Sequence[Sequence[int]],
+    name: str = "",
+    repairs: Repairs = NO_REPAIRS,
 ) -> tuple[Mesh, ...]:
     """Make a Mesh of each component of vertices and faces, that of the largest volume first.
 
     Args:
-        vertices, faces, name, drop_walls: as in `repair_mesh`.
+        vertices, faces, name, repairs: as in `repair_mesh`.
 
     Raises:
         MeshError: one of them cannot be repaired.
@@ -66,57 +68,7 @@ def repair_meshes(
     >>> [(mesh.name, round(mesh.volume, 3)) for mesh in two]
     [('two, component 1', 0.333), ('two, component 2', 0.167)]
     """
-    return repaired_meshes(_soup_of(vertices, faces, name), name, name, RepairChoices(drop_walls=drop_walls))
-
-
-def repaired_meshes(
-    polygons: PolygonSoup, name: str, source: str, choices: RepairChoices
-) -> tuple[Mesh, ...]:
-    """Make a Mesh of each component of polygons that may need repairs, that of the largest volume first.
-
-    Args:
-        polygons, name, source: as in `repaired_mesh`.
-        choices: as there; no component is chosen.
-
-    Raises:
-        MeshError: one of them has faults that cannot be repaired; it lists them.
-    """
-    first = validate(polygons, replace(choices, component=1))
-    count = len(first.components)
-    if count < 2:
-        return (repaired_mesh(polygons, name, source, choices),)
-    return tuple(
-        repaired_mesh(
-            polygons, f"{name}, component {one}".lstrip(", "), source, replace(choices, component=one)
-        )
-        for one in range(1, count + 1)
-    )
-
-
-def repaired_mesh(polygons: PolygonSoup, name: str, source: str, choices: RepairChoices = NO_CHOICES) -> Mesh:
-    """Make a Mesh of polygons that may need repairs.
-
-    Args:
-        polygons: as they were read.
-        name: of the mesh.
-        source: what an error names, such as the file.
-        choices: what the user decides, such as the component to take.
-
-    Raises:
-        MeshError: there are faults that cannot be repaired; it lists them.
-    """
-    report = validate(polygons, choices)
-    if report.fatal:
-        raise MeshError.from_report(report, source)
-    notes = tuple(finding.note for finding in report.findings)
-    if any(finding.kind == "flat_faces" for finding in report.findings):
-        # All other checks follow the repairs that could spoil them; flips come late, so all is checked again.
-        again = validate(PolygonSoup.of(report.vertices, report.faces), RepairChoices(strict=True))
-        if again.repaired:
-            raise MeshError.from_report(again, source)
-        again.numbering = report.numbering
-        report = again
-    return Mesh.from_report(report, name, notes)
+    return RawBody(_soup_of(vertices, faces, name), name).meshes(repairs, name)
 
 
 def _checked(component: ComponentChoice | None) -> ComponentChoice | None:

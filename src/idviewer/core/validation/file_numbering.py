@@ -100,6 +100,19 @@ class FileNumbering:
         origins[became[kept]] = self.origins[kept]
         return FileNumbering(_followed(self.became, became), origins, max(self.gap, gap))
 
+    def followed_by(self, second: FileNumbering) -> FileNumbering:
+        """The numbering from before the first step to after the second.
+
+        Args:
+            second: which counts from what the first one gives.
+
+        >>> first = FileNumbering.unchanged(3).renumbered(np.array([-1, 0, 1]))
+        >>> first.followed_by(FileNumbering.unchanged(2).renumbered(np.array([1, 0]))).became.tolist()
+        [-1, 1, 0]
+        """
+        origins = np.where(second.origins >= 0, np.append(self.origins, -1)[second.origins], -1)
+        return FileNumbering(_followed(self.became, second.became), origins, max(self.gap, second.gap))
+
     def split(self, came_from: Ints) -> FileNumbering:
         """The numbering after vertices were copied, or new ones were made.
 

@@ -54,6 +54,24 @@ def validate(polygons: PolygonSoup, choices: RepairChoices = NO_CHOICES) -> Vali
     return report
 
 
+def without_duplicates(polygons: PolygonSoup) -> ValidationReport:
+    """Make only the first of the checks: those behind which there are triangles that share their vertices.
+
+    Args:
+        polygons: as read.
+
+    >>> sheet = PolygonSoup.of([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> without_duplicates(sheet).faces.tolist()
+    [[0, 1, 2], [0, 2, 3]]
+    """
+    report = ValidationReport(polygons)
+    for check in (_check_indices, _check_coordinates, _triangulate_polygons, _merge_duplicates):
+        check(report)
+        if report.stopped:
+            break
+    return report
+
+
 def _check_indices(report: ValidationReport) -> None:
     """Refuse missing faces and vertices; leave out faces with too few corners, and isolated vertices."""
     source, count = report.source, len(report.source.vertices)
