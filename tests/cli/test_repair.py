@@ -100,7 +100,18 @@ def test_a_component_is_chosen_after_welding(run: Run, tmp_path: Path) -> None:
     (tmp_path / "two.off").write_bytes(meshfiles.off(*both))
     assert "components" in refused(run("repair", "two.off", "one.off", "--fill-holes", "3"))
     assert run("repair", "two.off", "one.off", "--fill-holes", "3", "--component", "1").status == 0
-    assert trimesh.load_mesh("one.off").volume == pytest.approx(1.0)
+    assert trimesh.load_mesh("one.off").volume == pytest.approx(4.0 / 3.0)
+
+
+def test_walls_inside_are_left_out(run: Run, tmp_path: Path) -> None:
+    two = shapes.joined(shapes.cube(), shapes.moved(shapes.cube(), 1, 0, 0))
+    merged = trimesh.Trimesh(*two)  # merges vertices, and keeps both faces of the wall
+    (tmp_path / "wall.off").write_bytes(meshfiles.off(merged.vertices, merged.faces))
+    assert "--drop-walls" in refused(run("repair", "wall.off", "one.off"))
+    answer = run("repair", "wall.off", "one.off", "--drop-walls")
+    assert "Leave walls out: 2 faces inside the body" in answer.out
+    assert trimesh.load_mesh("one.off").is_watertight
+    assert trimesh.load_mesh("one.off").volume == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize(
@@ -112,10 +123,8 @@ def test_outputs_that_cannot_be_written(run: Run, torn: str, out: str, words: st
     assert words in refused(run("repair", torn, out))
 
 
-@pytest.mark.parametrize(
-    "option", [("--weld", "-1"), ("--weld", "nan"), ("--fill-holes", "2"), ("--weld", "x")]
-)
-def test_values_without_a_meaning(run: Run, torn: str, option: tuple[str, str]) -> None:
+@pytest.mark.parametrize("option", ["--weld -1", "--weld nan", "--weld x", "--fill-holes 2"])
+def test_values_without_a_meaning(run: Run, torn: str, option: str) -> None:
     refused(run("repair", torn, "whole.ply", *option.split()))
     refused(run("info", torn, *option.split()))
 

@@ -41,7 +41,9 @@ def read_mesh(
     return read_body(path, component, part).repaired(repairs).mesh_from(one_line(path))
 
 
-def read_body(path: str | os.PathLike[str], component: ComponentChoice | None = None, part: str | None = None) -> RawBody:
+def read_body(
+    path: str | os.PathLike[str], component: ComponentChoice | None = None, part: str | None = None
+) -> RawBody:
     """Read the polygons in a file, whether or not they make a mesh.
 
     Args:

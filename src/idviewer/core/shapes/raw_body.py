@@ -14,14 +14,12 @@ from idviewer.core.shapes.named_repairs import NAMED_REPAIRS, Surface, wall_reco
 from idviewer.core.shapes.repairs import NO_REPAIRS, RepairRecord, Repairs
 from idviewer.core.steps import finish
 from idviewer.core.validation.file_numbering import FileNumbering
+from idviewer.core.validation.finding_kinds import COMPONENT_KINDS
 from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate, without_duplicates
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repair_choices import ComponentChoice, RepairChoices
 from idviewer.core.validation.validation_report import ValidationReport
-
-OPEN_KINDS = ("boundary_edges", "non_manifold_edges")
-"""Kinds beside which it does not count into how many pieces a surface falls."""
 
 Result = TypeVar("Result")
 Steps = Generator[None, None, Result]
@@ -229,10 +227,11 @@ class BrokenBodyError(MeshError):
         if not advice:
             error = cls(str(told), told.findings, told.components)
         else:
-            fatal = [finding.message for finding in outcome.report.findings if finding.fatal]
-            holes = [finding.message for finding in outcome.report.findings if finding.kind in OPEN_KINDS]
+            # Into how many pieces a surface falls does not count beside what they come from.
+            findings = (one for one in outcome.report.findings if one.kind not in COMPONENT_KINDS)
+            fatal = [finding.message for finding in findings if finding.fatal]
             start = f"{source}: " if source else ""
-            error = cls(f"{start}{'; '.join(holes or fatal)}; {advice_text(advice)}", told.findings)
+            error = cls(f"{start}{'; '.join(fatal)}; {advice_text(advice)}", told.findings)
             error.advice = advice
         error.body = outcome.body
         return error
