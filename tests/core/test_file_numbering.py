@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.core import meshfiles, shapes
 
-from idviewer.core.io import read_mesh
+from idviewer.core.io import read_mesh, read_polygon
+from idviewer.core.io.listed_points import without_repeated_points
 from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.validation.file_numbering import FileNumbering
@@ -114,3 +117,51 @@ def test_copies_and_new_points_are_followed():
     assert not copied.trivial
     dropped = copied.renumbered(np.array([0, -1, 1, 2]))
     assert (dropped.became.tolist(), dropped.origins.tolist()) == ([-1, -1, 0], [2, -1, 1])
+
+
+SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
+HOLE = [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("suffix", ["csv", "json", "geojson", "wkt"])
+def test_the_points_of_a_polygons_file_are_found_again(suffix, closed, tmp_path):
+    closed = closed or suffix in ("geojson", "wkt")
+    loops = [loop + loop[:1] if closed else loop for loop in (SQUARE, HOLE)]
+    rings = ", ".join("(" + ", ".join(f"{x} {y}" for x, y in loop) + ")" for loop in loops)
+    content = {
+        "csv": "\n\n".join("\n".join(f"{x},{y}" for x, y in loop) for loop in loops),
+        "json": json.dumps({"outer": loops[0], "holes": loops[1:]}),
+        "geojson": json.dumps({"type": "Polygon", "coordinates": loops}),
+        "wkt": f"POLYGON ({rings})",
+    }[suffix]
+    path = tmp_path / f"plate.{suffix}"
+    path.write_text(content)
+    polygon = read_polygon(path)
+    assert_found_again(polygon, loops[0] + loops[1])
+    assert polygon.notes == ()
+    assert polygon.numbering.without_closing().trivial
+    assert polygon.numbering.closing.tolist() == ([4, 8] if closed else [])
+
+
+def test_points_that_repeat_the_one_before_are_merged_with_a_note(tmp_path):
+    listed = [[0, 0], [3, 0], [3, 0], [3, 0], [3, 2], [0, 2], [0, 2 - 1e-15], [0, 0], [0, 0]]
+    path = tmp_path / "plate.json"
+    path.write_text(json.dumps(listed))
+    polygon = read_polygon(path)
+    assert polygon.area == pytest.approx(6.0, rel=1e-14)
+    assert polygon.notes == ("4 points that repeat the one before were merged with it.",)
+    assert_found_again(polygon, listed, within=2e-15)
+    assert polygon.with_vertices(polygon.vertices * 2).file_vertices.tolist() == [0, 1, 1, 1, 2, 3, 3, 0, 0]
+
+
+@given(st.lists(st.integers(1, 3), min_size=3, max_size=8), st.integers(0, 4), st.booleans())
+def test_every_listed_point_becomes_the_vertex_in_its_place(repeats, again, closed):
+    corners = np.column_stack([np.cos(np.arange(len(repeats))), np.sin(np.arange(len(repeats)))])
+    listed = np.concatenate(
+        [np.repeat(corners, repeats, axis=0), np.repeat(corners[:1], again + closed, axis=0)]
+    )
+    found = without_repeated_points([listed])
+    assert np.array_equal(found.loops[0], corners)
+    assert np.array_equal(corners[found.numbering.became], listed)
+    assert np.array_equal(found.numbering.became[found.numbering.origins], np.arange(len(corners)))

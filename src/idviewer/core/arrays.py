@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+AnyArray = TypeVar("AnyArray", bound=np.ndarray)
+
+
+def frozen(array: AnyArray) -> AnyArray:
+    """The array itself, read-only from now on.
+
+    >>> frozen(np.ones(2)).flags.writeable
+    False
+    """
+    array.setflags(write=False)
+    return array
 
 
 def as_points(points: ArrayLike, dimension: int) -> Floats:

@@ -47,7 +47,7 @@ def read_csv(data: bytes) -> list[Floats]:
             raise UnreadableError(f"line {number}: {line[:30]!a} is not finite")
         else:
             loops[-1].append((x, y))
-    return _opened([np.array(loop) for loop in loops if loop])
+    return _some([np.array(loop) for loop in loops if loop])
 
 
 def read_json(data: bytes) -> list[Floats]:
@@ -71,7 +71,7 @@ def read_json(data: bytes) -> list[Floats]:
         raise UnreadableError(f"line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
     except RecursionError:
         raise UnreadableError("its lists are nested too deeply") from None
-    return _opened([_loop(points, where) for points, where in _rings(content)])
+    return _some([_loop(points, where) for points, where in _rings(content)])
 
 
 def read_wkt(data: bytes) -> list[Floats]:
@@ -87,7 +87,7 @@ def read_wkt(data: bytes) -> list[Floats]:
         UnreadableError: it is no well-known text, or no single polygon.
 
     >>> [loop.tolist() for loop in read_wkt(b"POLYGON ((0 0, 1 0, 0 1, 0 0))")]
-    [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]
+    [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]]
     """
     try:
         with np.errstate(over="ignore"):  # infinite coordinates are refused later
@@ -97,7 +97,7 @@ def read_wkt(data: bytes) -> list[Floats]:
     parts = shapely.get_parts(geometry)
     if len(parts) != 1 or parts[0].geom_type != "Polygon":
         raise UnreadableError(f"a {geometry.geom_type.upper()} of {len(parts)} parts is no single POLYGON")
-    return _opened([shapely.get_coordinates(ring) for ring in shapely.get_rings(parts[0])])
+    return _some([shapely.get_coordinates(ring) for ring in shapely.get_rings(parts[0])])
 
 
 def _rings(content: Any) -> list[tuple[Any, str]]:
@@ -145,11 +145,11 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
 
 
-def _opened(loops: list[Floats]) -> list[Floats]:
-    """Loops whose last point repeats the first one, as GeoJSON wants it, without that last point."""
+def _some(loops: list[Floats]) -> list[Floats]:
+    """The loops, of which there must be one."""
     if not loops:
         raise UnreadableError("it holds no points")
-    return [loop[:-1] if len(loop) > 1 and (loop[0] == loop[-1]).all() else loop for loop in loops]
+    return loops
 
 
 def _numbers(line: str, number: int) -> tuple[float, float]:

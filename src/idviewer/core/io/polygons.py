@@ -12,6 +12,7 @@ from idviewer.core.io.atomic_write import atomic_path
 from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.files import bytes_of
 from idviewer.core.io.formats import format_of, one_line, readable_suffixes, why_unreadable
+from idviewer.core.io.listed_points import without_repeated_points
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.mesh import Mesh
@@ -44,11 +45,12 @@ def read_polygon(
     path = Path(path)
     try:
         contents = _contents(path, part)
-        polygon = Polygon.of_loops(contents.geometry)
+        listed = without_repeated_points(contents.geometry)
+        polygon = Polygon.of_loops(listed.loops).with_numbering(listed.numbering)
         polygon = polygon if samples is None else polygon.resampled(samples)
     except PolygonError as error:
         raise PolygonError(f"{one_line(path)}: {error}").with_parts(error.parts) from error
-    return polygon.with_labels(path.stem, (*contents.notes, *polygon.notes), contents.unit)
+    return polygon.with_labels(path.stem, (*contents.notes, *listed.notes), contents.unit)
 
 
 def read_shape(

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from idviewer.core.arrays import frozen
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
 from idviewer.core.shapes.mesh_bridges import Bridge, ShellBridges
@@ -26,8 +27,6 @@ from idviewer.core.validation.soup_repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
 from idviewer.core.validation.validation_report import ValidationReport
-
-AnyArray = TypeVar("AnyArray", bound=np.ndarray)
 
 
 class MeshError(ShapeError):
@@ -138,8 +137,8 @@ class Mesh:
         return mesh
 
     def _fill(self, report: ValidationReport, notes: tuple[str, ...]) -> None:
-        object.__setattr__(self, "vertices", _frozen(np.ascontiguousarray(report.vertices)))
-        object.__setattr__(self, "faces", _frozen(np.ascontiguousarray(report.faces)))
+        object.__setattr__(self, "vertices", frozen(np.ascontiguousarray(report.vertices)))
+        object.__setattr__(self, "faces", frozen(np.ascontiguousarray(report.faces)))
         object.__setattr__(self, "notes", tuple(notes))
         object.__setattr__(self, "numbering", report.numbering)
         if report.triangle_quality is not None:
@@ -186,7 +185,7 @@ class Mesh:
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """Lowest and highest corner of the bounding box, (2, 3)."""
-        return _frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+        return frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
 
     @cached_property
     def diagonal(self) -> float:
@@ -206,7 +205,7 @@ class Mesh:
     @cached_property
     def edges(self) -> NDArray[np.int64]:
         """Vertices (e, 2) of each edge, the lower index first, in ascending order."""
-        return _frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
+        return frozen(np.ascontiguousarray(Topology(self.faces, len(self.vertices)).ends))
 
     @cached_property
     def shells(self) -> tuple[NDArray[np.int64], ...]:
@@ -247,7 +246,7 @@ class Mesh:
     def face_areas(self) -> NDArray[np.float64]:
         """Area of each face, (m,)."""
         _, b, c = side_vectors(self.vertices, self.faces)
-        return _frozen(np.linalg.norm(np.cross(b, c), axis=1) / 2)
+        return frozen(np.linalg.norm(np.cross(b, c), axis=1) / 2)
 
     @cached_property
     def area(self) -> float:
@@ -258,8 +257,3 @@ class Mesh:
     def volume(self) -> float:
         """Volume enclosed."""
         return volume_and_area(self.vertices, self.faces)[0]
-
-
-def _frozen(array: AnyArray) -> AnyArray:
-    array.setflags(write=False)
-    return array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
@@ -13,10 +13,11 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from idviewer.core.arrays import Floats, Ints, as_points
+from idviewer.core.arrays import Floats, Ints, as_points, frozen
 from idviewer.core.shapes.polygon_bridges import bridges_between, resistances_between
 from idviewer.core.shapes.polygon_resampling import resampled_loops
 from idviewer.core.validation import polygon_checks as checks
+from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.polygon_checks import PolygonError
 from idviewer.core.validation.polygon_crossings import region_of
 
@@ -43,6 +44,7 @@ class Polygon:
         name: for titles; file name without its suffix.
         notes: what was changed when it was read, one sentence each.
         unit: of the coordinates, such as "mm"; empty where it is not known.
+        numbering: which point of the file, or of the arrays that were given, became which vertex.
 
     Raises:
         PolygonError: under three vertices, repeated ones, edges that cross or touch, holes that lie outside
@@ -60,6 +62,7 @@ class Polygon:
     name: str = ""
     notes: tuple[str, ...] = ()
     unit: str = ""
+    numbering: FileNumbering = field(init=False, repr=False)
 
     def __init__(
         self,
@@ -85,11 +88,12 @@ class Polygon:
         object.__setattr__(self, "notes", tuple(notes))
         object.__setattr__(self, "unit", unit)
 
-    def _fill(self, vertices: Floats, loops: tuple[Ints, ...]) -> None:
-        for array in (vertices, *loops):
-            array.setflags(write=False)
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "loops", loops)
+    def _fill(
+        self, vertices: Floats, loops: tuple[Ints, ...], numbering: FileNumbering | None = None
+    ) -> None:
+        object.__setattr__(self, "vertices", frozen(vertices))
+        object.__setattr__(self, "loops", tuple(map(frozen, loops)))
+        object.__setattr__(self, "numbering", numbering or FileNumbering.unchanged(len(vertices)))
 
     def with_labels(
         self, name: str | None = None, notes: Sequence[str] | None = None, unit: str | None = None
@@ -111,6 +115,21 @@ class Polygon:
             self.unit if unit is None else unit,
         )
         return labelled
+
+    def with_numbering(self, numbering: FileNumbering) -> Polygon:
+        """The same polygon, whose vertices are known to a file by other numbers.
+
+        Args:
+            numbering: for the n vertices.
+        """
+        numbered = copy(self)
+        object.__setattr__(numbered, "numbering", numbering)
+        return numbered
+
+    @property
+    def file_vertices(self) -> Ints:
+        """Number (f,) of the vertex that each point of the file became, all loops one after the other."""
+        return self.numbering.became
 
     def __repr__(self) -> str:
         holes = {1: "", 2: ", 1 hole"}.get(len(self.loops), f", {len(self.loops) - 1} holes")
@@ -164,7 +183,7 @@ class Polygon:
             raise self._named(error) from None
         polygon = object.__new__(Polygon)
         polygon._label(self.name, self.notes, self.unit)
-        polygon._fill(points, loops)
+        polygon._fill(points, loops, self.numbering)
         return polygon
 
     def resampled(self, count: int) -> Polygon:
@@ -222,7 +241,7 @@ class Polygon:
     @cached_property
     def bounds(self) -> Floats:
         """Lowest and highest corner of the bounding box, (2, 2)."""
-        return _frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+        return frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
 
     @cached_property
     def diagonal(self) -> float:
@@ -237,13 +256,13 @@ class Polygon:
     @cached_property
     def edges(self) -> Ints:
         """Edges (n, 2): each vertex and the one that follows it, the interior on the left."""
-        return _frozen(np.stack([np.arange(len(self.vertices)), checks.successors_of(self.loops)], axis=1))
+        return frozen(np.stack([np.arange(len(self.vertices)), checks.successors_of(self.loops)], axis=1))
 
     @cached_property
     def lengths(self) -> Floats:
         """Length of each edge, (n,)."""
         sides = self.vertices[self.edges[:, 1]] - self.vertices
-        return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
+        return frozen(np.hypot(sides[:, 0], sides[:, 1]))
 
     @cached_property
     def area(self) -> float:
@@ -258,13 +277,13 @@ class Polygon:
     @cached_property
     def bridges(self) -> Ints:
         """Vertices (h, 2) joined by each bridge; one bridge fewer than loops."""
-        return _frozen(bridges_between(self.vertices, self.loops))
+        return frozen(bridges_between(self.vertices, self.loops))
 
     @cached_property
     def bridge_lengths(self) -> Floats:
         """Length of each bridge, (h,)."""
         sides = self.vertices[self.bridges[:, 1]] - self.vertices[self.bridges[:, 0]]
-        return _frozen(np.hypot(sides[:, 0], sides[:, 1]))
+        return frozen(np.hypot(sides[:, 0], sides[:, 1]))
 
     def resistances(self) -> Floats:
         """Effective resistances (n, n) between vertices; edges and bridges resist as much as they are long.
@@ -274,8 +293,3 @@ class Polygon:
         """
         bridges = np.column_stack([self.bridges, self.bridge_lengths])
         return resistances_between(self.loops, self.lengths, bridges)
-
-
-def _frozen(array: NDArray) -> NDArray:
-    array.setflags(write=False)
-    return array

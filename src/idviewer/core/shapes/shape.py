@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.polygon import Polygon, PolygonError
+from idviewer.core.validation.file_numbering import FileNumbering
 
 
 class Shape(Protocol):
@@ -41,6 +42,10 @@ class Shape(Protocol):
     @property
     def unit(self) -> str:
         """Unit of the coordinates, such as "mm"; empty where it is not known."""
+
+    @property
+    def numbering(self) -> FileNumbering:
+        """Which vertex of the file became which of these."""
 
     @property
     def vertices(self) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,7 @@ class FileNumbering:
         origins: (n,) for each vertex of the shape, its number in the file, the first where several were
             merged; -1 where a repair made it.
         gap: the largest coordinate difference between vertices that were merged, in the shape's unit.
+        closing: numbers in the file of points that only close a polygon's loop by repeating its first.
 
     >>> numbering = FileNumbering.unchanged(4).renumbered(np.array([-1, 0, 1, 0]))
     >>> numbering.became.tolist(), numbering.origins.tolist()
@@ -28,6 +29,7 @@ class FileNumbering:
     became: Ints
     origins: Ints
     gap: float = 0.0
+    closing: Ints = field(default_factory=lambda: np.empty(0, np.int64))
 
     @classmethod
     def unchanged(cls, count: int) -> FileNumbering:
@@ -98,7 +100,27 @@ class FileNumbering:
             ::-1
         ]  # backwards, so that the first of several stays
         origins[became[kept]] = self.origins[kept]
-        return FileNumbering(_followed(self.became, became), origins, max(self.gap, gap))
+        return FileNumbering(_followed(self.became, became), origins, max(self.gap, gap), self.closing)
+
+    def with_closing(self, closing: Ints) -> FileNumbering:
+        """The numbering of a polygon's file that repeats first points to close loops.
+
+        Args:
+            closing: (c,) numbers of the repetitions.
+        """
+        return replace(self, closing=closing)
+
+    def without_closing(self) -> FileNumbering:
+        """The numbering of the file's points without those that only close loops.
+
+        >>> closed = FileNumbering(np.array([0, 1, 2, 0]), np.arange(3), closing=np.array([3]))
+        >>> closed.without_closing().trivial
+        True
+        """
+        before = np.cumsum(np.isin(np.arange(len(self.became)), self.closing))
+        return FileNumbering(
+            np.delete(self.became, self.closing), self.origins - before[self.origins], self.gap
+        )
 
     def followed_by(self, second: FileNumbering) -> FileNumbering:
         """The numbering from before the first step to after the second.
