@@ -126,7 +126,10 @@ class TestParameters:
     @pytest.mark.parametrize(
         ("options", "part"),
         [
-            (("--distance", "matrix"), "--distance matrix: it needs a .npy file with n x n distances"),
+            (
+                ("--distance", "matrix"),
+                "--distance matrix: it needs a .npy, .npz, .csv, .txt or .mtx file with n x n distances",
+            ),
             (("--distance", "embedding", "--set", "embedding=no.npy"), "there is no file no.npy"),
             (
                 ("--distance", "geodesic", "--set", "landmarks=3"),

@@ -67,7 +67,7 @@ class TestPolygons:
             (("render", "--source", "2,2"), "the source (2, 2) lies outside the polygon"),
             (("render", "--source", "2,2,2"), "--source 2,2,2: not a point of a 2D shape; write two numbers"),
             (("render", "--component", "2"), "a polygon has no components"),
-            (("barycentroid", "--distance", "matrix"), "it needs a .npy file"),
+            (("barycentroid", "--distance", "matrix"), "it needs a .npy"),
         ],
     )
     def test_what_means_nothing_is_refused(

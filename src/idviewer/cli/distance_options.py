@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +36,8 @@ def distance_of(options: DistanceOptions) -> Distance:
             made = DISTANCES[name](**values)
         except ValueError as error:
             raise ValueError(f"{option}: {error}") from error
-        if isinstance(parameters[parameter], File) and not Path(text).is_file():
+        one = parameters[parameter]
+        if isinstance(one, File) and not one.exists(text):
             raise FileNotFoundError(f"{option}: there is no file {text}")
     made = DISTANCES[name](**values)
     for parameter in missing_parameters(made):

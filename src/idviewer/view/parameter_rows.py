@@ -221,8 +221,8 @@ class FileRow(QWidget):
 
     def ask(self) -> None:
         """Show the file dialog, which does not block."""
-        suffix = self._parameter.suffix
-        files = f"{self._parameter.title} (*{suffix});;All files (*)"
+        suffixes = " ".join(f"*{suffix}" for suffix in self._parameter.suffixes)
+        files = f"{self._parameter.title} ({suffixes});;All files (*)"
         self.dialog = dialog = QFileDialog(self, f"Open {self._parameter.content}", "", files)
         dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)

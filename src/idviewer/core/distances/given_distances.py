@@ -12,7 +12,7 @@ import numpy as np
 
 from idviewer.core.arrays import Floats
 from idviewer.core.distances.classical_mds import classical_mds_steps
-from idviewer.core.distances.matrix_input import ArrayInput, matrix_of
+from idviewer.core.distances.matrix_input import ArrayInput, RowsOfVertices
 from idviewer.core.distances.parameters import Choice, File
 from idviewer.core.distances.registry import Basis, Distance, Steps, check_size, register_distance
 from idviewer.core.distances.spectral import percentage
@@ -23,6 +23,12 @@ from idviewer.core.spectrum.eigen_solver import Spectrum
 MATRIX = File("Matrix", "the distances", content="n x n distances, n the number of vertices")
 FITS = (("exact", "Must embed exactly"), ("approximate", "Nearest embedding"))
 FIT = Choice("Embedding", "whether distances that do not embed are refused or approximated", FITS)
+COUNTING = Choice(
+    "Rows count as",
+    "whether rows are the vertices of the file, or those left after its repairs",
+    (("file", "The shape's file"), ("shape", "The shape's vertices")),
+)
+"""Of arrays with a row for each vertex."""
 
 SYMMETRY_TOLERANCE = 1e-8
 """Largest difference between d_ij and d_ji, and largest d_ii, as a share of the largest distance."""
@@ -44,9 +50,12 @@ class GivenDistances(Distance):
     Source: Rustamov et al. 2009, section 4.
 
     Attributes:
-        matrix: (n, n) distances (not squared), or the path of a .npy file that holds them.
+        matrix: (f, f) distances (not squared), in the order of the f vertices of the shape's file, or the
+            path of a file with them: .npy, .npz ("d.npz:name" where it holds several arrays), .csv or .mtx.
         fit: "exact" refuses distances that do not embed; "approximate" takes the positive part of A, and
             the description says how much that leaves out (class 3).
+        counting: "file" if rows and columns count as the file does (see `mesh.file_vertices`), "shape" if
+            they are those of `shape.vertices`; the same for a mesh made in memory.
 
     >>> import numpy as np
     >>> from idviewer.core import InteriorDistance, Mesh
@@ -65,11 +74,12 @@ class GivenDistances(Distance):
         default=None, metadata={"parameter": MATRIX}
     )
     fit: str = field(default="exact", metadata={"parameter": FIT})
+    counting: str = field(default="file", metadata={"parameter": COUNTING})
 
     @property
     def basis_key(self) -> Hashable:
-        """The file or the array, and what is to be done where it does not embed."""
-        return self.name, self.matrix, self.fit
+        """The file or the array, how it counts, and what is to be done where it does not embed."""
+        return self.name, self.matrix, self.fit, self.counting
 
     def squares(self, shape: Shape) -> Floats:
         """Squared distances (n, n), made symmetric.
@@ -77,7 +87,7 @@ class GivenDistances(Distance):
         Raises:
             DistanceError: the matrix holds no distances between this shape's vertices.
         """
-        matrix = matrix_of(self.matrix, len(shape.vertices), "distances")
+        matrix = RowsOfVertices("distances", self.counting, both=True).of(self.matrix, shape)
         where = Path(self.matrix).name if isinstance(self.matrix, str) else "the distances"
         check_distances(matrix, where)
         return np.square(0.5 * (matrix + matrix.T))
@@ -112,7 +122,7 @@ class GivenDistances(Distance):
 
 
 def check_distances(matrix: Floats, where: str) -> None:
-    """Refuse a matrix that is not square, symmetric, zero on the diagonal and nowhere negative.
+    """Refuse a matrix that is not symmetric, zero on the diagonal and nowhere negative.
 
     Args:
         matrix: (n, n) finite numbers.
@@ -125,10 +135,6 @@ def check_distances(matrix: Floats, where: str) -> None:
     Traceback (most recent call last):
     idviewer.core.errors.DistanceError: d.npy: the distance in row 0, column 1 is negative (-1)
     """
-    if matrix.shape[1] != len(matrix):
-        raise DistanceError(
-            f"{where}: its shape is {matrix.shape}; distances between all pairs of vertices are n x n"
-        )
     largest = float(np.abs(matrix).max())
     if matrix.min() < 0.0:
         row, column = np.unravel_index(int(matrix.argmin()), matrix.shape)

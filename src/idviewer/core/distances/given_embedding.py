@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.matrix_input import ArrayInput, matrix_of
+from idviewer.core.distances.given_distances import COUNTING
+from idviewer.core.distances.matrix_input import ArrayInput, RowsOfVertices
 from idviewer.core.distances.parameters import File
 from idviewer.core.distances.registry import Basis, Distance, Steps, register_distance
 from idviewer.core.shapes.shape import Shape
@@ -25,7 +26,10 @@ class GivenEmbedding(Distance):
     """The distance of an embedding of the vertices, used as it is.
 
     Attributes:
-        embedding: (n, m), or the path of a .npy file that holds it; row i is v_i*.
+        embedding: (f, m) with the row v_i* for each of the f vertices of the shape's file, or the path of a
+            file that holds it: .npy, .npz ("e.npz:name" where it holds several arrays), .csv or .mtx.
+        counting: "file" if rows count as the file does (see `mesh.file_vertices`), "shape" if they are those
+            of `shape.vertices`; the same for a mesh made in memory.
 
     >>> import numpy as np
     >>> from idviewer.core import InteriorDistance, Mesh
@@ -43,11 +47,12 @@ class GivenEmbedding(Distance):
     embedding: str | PathLike[str] | Floats | ArrayInput | None = field(
         default=None, metadata={"parameter": EMBEDDING}
     )
+    counting: str = field(default="file", metadata={"parameter": COUNTING})
 
     @property
     def basis_key(self) -> Hashable:
-        """The file, or the array."""
-        return self.name, self.embedding
+        """The file or the array, and how it counts."""
+        return self.name, self.embedding, self.counting
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
         """The rows (n, k), about their mean to keep their digits, as a generator.
@@ -61,7 +66,7 @@ class GivenEmbedding(Distance):
             OSError: the file cannot be read.
         """
         yield 0.0
-        rows = matrix_of(self.embedding, len(shape.vertices), "embedding")
+        rows = RowsOfVertices("embedding", self.counting).of(self.embedding, shape)
         return Basis(np.ascontiguousarray(rows - rows.mean(axis=0)))
 
     def describe(self, spectrum: Spectrum | None) -> str:

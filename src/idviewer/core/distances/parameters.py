@@ -7,9 +7,11 @@ import numbers
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from idviewer.core.distances.matrix_input import ArrayInput, as_array_input
+from idviewer.core.io.array_files import ARRAY_SUFFIXES, split_name
 
 LONGEST_SHOWN_VALUE = 60
 """Characters of a refused value that its error repeats."""
@@ -218,16 +220,16 @@ class File(Parameter):
     """A file with an array, or the array itself.
 
     Attributes:
-        suffix: how its name ends.
         content: what is in it, in words.
+        suffixes: how its name may end.
 
-    >>> File("Matrix", content="distances").check(3)
+    >>> File("Matrix", content="distances", suffixes=(".npy", ".mtx")).check(3)
     Traceback (most recent call last):
-    ValueError: must be a .npy file with distances, not 3
+    ValueError: must be a .npy or .mtx file with distances, not 3
     """
 
-    suffix: str = ".npy"
     content: str = ""
+    suffixes: tuple[str, ...] = ARRAY_SUFFIXES
 
     required = True
     shape_specific = True
@@ -235,7 +237,12 @@ class File(Parameter):
     @property
     def domain(self) -> str:
         """The values there are."""
-        return f"a {self.suffix} file with {self.content}"
+        *others, last = self.suffixes
+        return f"a {', '.join(others)} or {last} file with {self.content}"
+
+    def exists(self, value: str) -> bool:
+        """Whether there is a file of that path, perhaps with an array's name behind it."""
+        return Path(split_name(value)[0]).is_file()
 
     def check(self, value: Any) -> str | ArrayInput:
         """A path as text, or an array behind its identity, not read yet. Raises: ValueError for others."""
