@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from tests.core import meshfiles, shapes
 
+from idviewer.core.io.contents import FileSource
 from idviewer.core.io.obj import read_obj
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.mesh_repair import repair_mesh
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 OBJ_POINTS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 OBJ_FACES = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -51,9 +55,13 @@ OBJ_VARIANTS = {
 }
 
 
+def read(text: str) -> PolygonSoup:
+    return read_obj(FileSource(text.encode(), Path("thing.obj"))).geometry
+
+
 @pytest.mark.parametrize("text", OBJ_VARIANTS.values(), ids=list(OBJ_VARIANTS))
 def test_obj_variants(text):
-    assert meshfiles.is_tetrahedron(read_obj(text.encode()))
+    assert meshfiles.is_tetrahedron(read(text))
 
 
 @pytest.mark.parametrize(
@@ -71,17 +79,17 @@ def test_obj_variants(text):
 )
 def test_obj_refusals(text, message):
     with pytest.raises(UnreadableError, match=message):
-        read_obj(text.encode())
+        read(text)
 
 
 @pytest.mark.parametrize("index", ["0", "5", "-5", "-99"])
 def test_obj_indices_out_of_range_stay_out_of_range(index):
-    polygons = read_obj((OBJ_POINTS + OBJ_FACES.replace("f 1 4 3", f"f 1 4 {index}")).encode())
+    polygons = read(OBJ_POINTS + OBJ_FACES.replace("f 1 4 3", f"f 1 4 {index}"))
     assert np.count_nonzero((polygons.corners < 0) | (polygons.corners >= 4)) == 1
 
 
 def test_obj_with_polygons_of_every_size():
     vertices, polygons = shapes.extruded(shapes.L_OUTLINE)
     mixed = [*polygons[:5], polygons[5][:3], [polygons[5][0], *polygons[5][2:]], *polygons[6:]]
-    mesh = repair_mesh(*meshfiles.parts(read_obj(meshfiles.obj(vertices, mixed))))
+    mesh = repair_mesh(*meshfiles.parts(read(meshfiles.obj(vertices, mixed).decode())))
     assert mesh.volume == pytest.approx(3.0)

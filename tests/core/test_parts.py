@@ -58,7 +58,7 @@ def test_many_parts_are_not_all_named():
 def test_the_door_hands_parts_notes_and_the_unit_on(tmp_path):
     def read(given: FileSource) -> Contents:
         given.chosen(PARTS, "labels")
-        return Contents(read_off(given.data), ("A label was passed over.",), "mm")
+        return Contents(read_off(given.data).geometry, ("A label was passed over.",), "mm")
 
     add_reader((".nii.foo",), read, holds_parts=True)
     path = tmp_path / "body.NII.foo"

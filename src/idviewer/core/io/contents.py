@@ -64,7 +64,7 @@ class FileSource:
             return names.index(self.part)
         if self.part.isascii() and self.part.isdigit() and 1 <= int(self.part) <= len(parts):
             return int(self.part) - 1
-        there = f"there are {_named(parts)}" if parts else "there are none"
+        there = f"there are {named_parts(parts)}" if parts else "there are none"
         raise PartError(f"it has no {self.part!a} among its {kind}; {there}", tuple(parts))
 
 
@@ -76,11 +76,13 @@ class Contents(Generic[Geometry]):
         geometry: a PolygonSoup of a mesh, or the loops of a polygon.
         notes: what was passed over or understood in some way, one sentence each.
         unit: of the coordinates, such as "mm"; empty where the file does not say.
+        parts: the shapes in the file that the geometry is made of, where one alone can be chosen instead.
     """
 
     geometry: Geometry
     notes: tuple[str, ...] = ()
     unit: str = ""
+    parts: tuple[Part, ...] = ()
 
 
 class PartError(UnreadableError):
@@ -96,9 +98,18 @@ class PartError(UnreadableError):
 
 
 def _choice(parts: Sequence[Part], kind: str) -> str:
-    return f"it holds {len(parts):,} {kind}: {_named(parts)}; choose one by its name, part={parts[0].name!r}"
+    held = f"it holds {len(parts):,} {kind}: {named_parts(parts)}"
+    return f"{held}; choose one by its name, part={parts[0].name!r}"
 
 
-def _named(parts: Sequence[Part]) -> str:
+def named_parts(parts: Sequence[Part]) -> str:
+    """The names of parts for a message; of many, the first ones.
+
+    Args:
+        parts: the shapes in a file.
+
+    >>> named_parts([Part("left", "area 1"), Part("right")])
+    "'left' (area 1), 'right'"
+    """
     words = [f"{part.name!r} ({part.description})" if part.description else repr(part.name) for part in parts]
     return ", ".join(words[:NAMED_PARTS]) + (", ..." if len(words) > NAMED_PARTS else "")

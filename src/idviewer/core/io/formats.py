@@ -67,7 +67,7 @@ _FORMATS = {
     one.suffix: one
     for one in (
         FileFormat(".off", "OFF", 3, lambda source: read_off(source.data)),
-        FileFormat(".obj", "OBJ", 3, lambda source: read_obj(source.data)),
+        FileFormat(".obj", "OBJ", 3, read_obj, holds_parts=True),
         FileFormat(".ply", "PLY", 3, lambda source: read_ply(source.data)),
         FileFormat(".stl", "STL", 3, lambda source: read_stl(source.data)),
         FileFormat(".glb", "GLB", 3, lambda source: read_glb(source.data)),

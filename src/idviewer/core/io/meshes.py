@@ -26,7 +26,8 @@ def read_mesh(
     """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB or glTF, by its suffix.
 
     What can be repaired is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
-    notes. All objects of the file are read as one mesh; materials and textures are not looked at.
+    notes. All objects of the file are read as one mesh, unless a part is chosen; materials and textures are
+    not looked at.
 
     Args:
         path: of the file.
@@ -56,7 +57,7 @@ def read_body(
     """
     path = Path(path)
     contents = _contents(path, part)
-    return RawBody(contents.geometry, path.stem, contents.notes, contents.unit, component)
+    return RawBody(contents.geometry, path.stem, contents.notes, contents.unit, component, contents.parts)
 
 
 def inspect_file(

@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
-from idviewer.core.io.text import UnreadableError, floats, missing
+from idviewer.core.io.contents import Contents
+from idviewer.core.io.ply_header import Element, Property, read_header
+from idviewer.core.io.text import Tokens, UnreadableError, floats, missing
+from idviewer.core.io.written_numbers import numbers
 from idviewer.core.validation.polygon_soup import PolygonSoup, concatenated, strips
 
-_PROPERTY_TYPES = {
-    **dict.fromkeys(("char", "int8"), "i1"),
-    **dict.fromkeys(("uchar", "uint8"), "u1"),
-    **dict.fromkeys(("short", "int16"), "i2"),
-    **dict.fromkeys(("ushort", "uint16"), "u2"),
-    **dict.fromkeys(("int", "int32"), "i4"),
-    **dict.fromkeys(("uint", "uint32"), "u4"),
-    **dict.fromkeys(("float", "float32"), "f4"),
-    **dict.fromkeys(("double", "float64"), "f8"),
-    "int64": "i8",
-    "uint64": "u8",
-}
 _CODES = {
     "i1": "b",
     "u1": "B",
@@ -37,33 +28,16 @@ _CODES = {
     "f4": "f",
     "f8": "d",
 }
-_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _INDICES = ("vertex_indices", "vertex_index")
 
 Column = tuple[NDArray, Ints]
 """All values of a property, and how many of them each record has (one, unless the property is a list)."""
 
 
-@dataclass(frozen=True)
-class Property:
-    """A property: type of its values, and for a list the type of its length."""
-
-    name: str
-    values: str
-    length: str = ""
-
-
-@dataclass(frozen=True)
-class Element:
-    """One kind of record, and how many of them there are."""
-
-    name: str
-    count: int
-    properties: list[Property] = field(default_factory=list)
-
-
-def read_ply(data: bytes) -> PolygonSoup:
+def read_ply(data: bytes) -> Contents[PolygonSoup]:
     """Read the polygons of a PLY file: its elements vertex, face and tristrips.
+
+    Other elements and properties are passed over, as are header lines that mean nothing.
 
     Args:
         data: of the file, text or binary in either byte order.
@@ -71,28 +45,89 @@ def read_ply(data: bytes) -> PolygonSoup:
     Raises:
         UnreadableError: its header means nothing, or what follows is not what its header announces.
     """
-    order, elements, body = _header(data)
-    if order == "":
-        body = _as_binary(elements, body)
+    header = read_header(data)
+    elements, body, notes = header.elements, header.body, list(header.notes)
+    ends = len(body)
+    if header.order == "":
+        body, ends, more = _as_binary(elements, body)
+        notes += more
     columns, place = {}, 0
     for element in elements:
-        columns[element.name], place = _records(element, body, place, order or "=")
-    if place < len(body) and (order == "" or body[place:].strip()):
-        raise UnreadableError("wrong counts: more follows than its header announces")
+        columns[element.name], place = _records(element, body, place, header.order or "=")
     vertices = _vertices(columns.get("vertex", {}))
+    if place < ends and (header.order == "" or body[place:].strip()):
+        if _another_face(elements, body, place, header.order or "=", len(vertices)):
+            raise UnreadableError("wrong counts: it holds more faces than its header announces")
+        notes.append("What follows its last element was passed over.")
     faces = _indices(columns.get("face", {}))
     triangles = [_strips(*column) for column in _indices(columns.get("tristrips", {}))]
     corners, sizes = zip((np.empty(0, np.int64),) * 2, *faces, *triangles, strict=True)
-    return PolygonSoup(vertices, concatenated(corners), concatenated(sizes))
+    return Contents(PolygonSoup(vertices, concatenated(corners), concatenated(sizes)), tuple(notes))
 
 
-def _as_binary(elements: list[Element], text: bytes) -> bytes:
-    """Text as binary data in which every value is a double; the elements' types are changed to match."""
+def _as_binary(elements: list[Element], text: bytes) -> tuple[bytes, int, tuple[str, ...]]:
+    """Text as binary data in which every value is a double; the elements' types are changed to match.
+
+    Returns:
+        the data up to what is no number, the length that all of it would have, and notes.
+    """
     if elements and elements[-1].name == "vertex" and text[-1:] not in (b"\n", b"\r"):
         raise UnreadableError("truncated: it ends in the middle of a vertex")
+    told = re.search(rb"(?m)^[ \t]*(comment|obj_info)\b", text)
+    if told:
+        text = re.sub(rb"(?m)^[ \t]*(?:comment|obj_info)\b.*$", b"", text.replace(b"\r", b"\n"))
+    tokens = text.split()
+    total = len(tokens)
+    try:
+        values, notes = numbers(tokens)
+    except UnreadableError:
+        fractions = _places_of_fractions(elements, tokens)
+        if fractions is None:
+            raise
+        tokens = tokens[: len(fractions)]
+        which = np.flatnonzero(fractions).tolist()
+        values = np.empty(len(tokens))
+        values[fractions], notes = numbers([tokens[place] for place in which])
+        whole = np.flatnonzero(~fractions).tolist()
+        values[~fractions] = floats([tokens[place] for place in whole])
     for element in elements:
         element.properties[:] = [Property(p.name, "f8", p.length and "f8") for p in element.properties]
-    return floats(text.split()).tobytes()
+    notes = (*notes, "Remarks among its data were passed over.") if told else notes
+    return values.tobytes(), 8 * total, notes
+
+
+def _places_of_fractions(elements: list[Element], tokens: Tokens) -> NDArray[np.bool_] | None:
+    """Which of the elements' tokens may be fractions by their types; None if there are too few."""
+    kinds: list[bool] = []
+    for element in elements:
+        record = [(one.values[0] == "f", bool(one.length)) for one in element.properties]
+        for _ in range(element.count if record else 0):
+            for fraction, is_list in record:
+                place = len(kinds)
+                if place >= len(tokens) or (is_list and not tokens[place].isdigit()):
+                    return None
+                if not is_list:
+                    kinds.append(fraction)
+                    continue
+                size = int(tokens[place])
+                if size > len(tokens) - place:
+                    return None
+                kinds += [False, *[fraction] * size]
+    return np.array(kinds, dtype=np.bool_) if len(kinds) <= len(tokens) else None
+
+
+def _another_face(elements: list[Element], body: bytes, place: int, order: str, vertices: int) -> bool:
+    """Whether what follows the last element reads as one more face."""
+    faces = [element for element in elements if element.count]
+    if not faces or faces[-1].name != "face":
+        return False
+    try:
+        columns, end = _records(replace(faces[-1], count=1), body, place, order)
+        corners, sizes = _indices(columns)[0]
+    except (UnreadableError, IndexError):
+        return False
+    inside = corners.min(initial=0) >= 0 and corners.max(initial=0) < vertices
+    return bool(end <= len(body) and sizes[0] >= 3 and inside and len(set(corners.tolist())) == sizes[0])
 
 
 def _vertices(columns: dict[str, Column]) -> Floats:
@@ -104,7 +139,7 @@ def _vertices(columns: dict[str, Column]) -> Floats:
 def _indices(columns: dict[str, Column]) -> list[Column]:
     """The list of vertex indices, under one of its two names, if there is one."""
     found = [columns[name] for name in _INDICES if name in columns][:1]
-    if any(np.any(values != np.rint(values)) for values, _ in found):
+    if any(not np.all((values == np.rint(values)) & (np.abs(values) < 2.0**62)) for values, _ in found):
         raise UnreadableError("a face has a corner that is no whole number")
     return [(values.astype(np.int64), sizes) for values, sizes in found]
 
@@ -120,40 +155,6 @@ def _strips(values: Ints, sizes: Ints) -> Column:
 
 def _breaks(strip: Ints) -> Ints:
     return np.flatnonzero(strip == -1)
-
-
-def _header(data: bytes) -> tuple[str, list[Element], bytes]:
-    """Byte order ("" for text), elements, and the data behind the header."""
-    if not re.match(rb"ply[ \t]*[\r\n]", data):
-        raise UnreadableError("it does not begin with ply")
-    end = re.search(rb"[\r\n]end_header[ \t]*(\r\n|\n|\r)", data)
-    if end is None:
-        raise UnreadableError("truncated: its header does not end")
-    order: str | None = None
-    elements: list[Element] = []
-    for line in data[: end.start()].decode("latin-1").splitlines()[1:]:
-        match line.split():
-            case ["format", name, "1.0"] if name in _ORDERS:
-                order = _ORDERS[name]
-            case ["element", name, count] if count.isdecimal():
-                elements.append(Element(name, int(count)))
-            case ["property", "list", length, values, name] if elements:
-                elements[-1].properties.append(Property(name, _type(values), _type(length)))
-            case ["property", values, name] if elements:
-                elements[-1].properties.append(Property(name, _type(values)))
-            case [] | ["comment" | "obj_info", *_]:
-                pass
-            case _:
-                raise UnreadableError(f"its header has a line that means nothing: {line.strip()[:40]!a}")
-    if order is None:
-        raise UnreadableError("its header names no format")
-    return order, elements, data[end.end() :]
-
-
-def _type(name: str) -> str:
-    if name not in _PROPERTY_TYPES:
-        raise UnreadableError(f"its header has a type that means nothing: {name[:20]!a}")
-    return _PROPERTY_TYPES[name]
 
 
 def _records(element: Element, body: bytes, place: int, order: str) -> tuple[dict[str, Column], int]:

@@ -8,6 +8,7 @@ consistent file.
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,6 +16,13 @@ import numpy as np
 from idviewer.core.arrays import Floats, Ints
 
 Tokens = Sequence[bytes]
+
+_MARKS = (  # that of UTF-32 begins with that of UTF-16
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
 
 
 class UnreadableError(ValueError):
@@ -60,8 +68,42 @@ def _shown(tokens: Tokens, kind: type[int] | type[float]) -> str:
     return "something else"
 
 
+def as_text(data: bytes) -> bytes:
+    r"""The text of a file in UTF-8 and without a mark of byte order; UTF-16 and UTF-32 are turned into it.
+
+    Args:
+        data: of the file. Without a mark, every other byte of UTF-16 must be 0, as in plain English.
+
+    Raises:
+        UnreadableError: it is cut in the middle of a letter, or holds binary data.
+
+    >>> as_text("\ufeffOFF".encode("utf-16-be")), as_text(b"OFF\xe9")
+    (b'OFF', b'OFF\xe9')
+    """
+    coding = next((coding for mark, coding in _MARKS if data.startswith(mark)), "")
+    if not coding and b"\0" in data[:64]:
+        coding = _unmarked(data)
+    if coding:
+        try:
+            data = data.decode(coding).encode()
+        except UnicodeDecodeError as error:
+            raise UnreadableError(f"truncated or damaged: it is no whole {coding.upper()}") from error
+    data = data.removeprefix(codecs.BOM_UTF8)
+    if b"\0" in data:
+        raise UnreadableError("it holds binary data, not text")
+    return data
+
+
+def _unmarked(data: bytes) -> str:
+    """UTF-16 without a mark, by where the first bytes are 0; else nothing."""
+    low, high = data[:64:2], data[1:64:2]
+    if high and 0 not in low and not any(high):
+        return "utf-16-le"
+    return "utf-16-be" if high and 0 not in high and not any(low) else ""
+
+
 def text_lines(data: bytes) -> list[bytes]:
-    r"""Split a text file into lines, without comments (#) and blank ones.
+    r"""Split a text file into lines, without comments (#) and blank ones; see `as_text`.
 
     Raises:
         UnreadableError: the data is binary.
@@ -69,9 +111,7 @@ def text_lines(data: bytes) -> list[bytes]:
     >>> text_lines(b"OFF # a remark\n\n3 1 0\n")
     [b'OFF ', b'3 1 0']
     """
-    data = data.removeprefix(b"\xef\xbb\xbf")
-    if b"\0" in data:
-        raise UnreadableError("it holds binary data, not text")
+    data = as_text(data)
     lines = data.splitlines()
     if b"#" in data:
         lines = [line.partition(b"#")[0] for line in lines]

@@ -212,10 +212,10 @@ class Mesh:
         """Faces of each closed shell: first the outer one, then those around voids, the largest first."""
         number, of_face = Topology(self.faces, len(self.vertices)).components
         if number == 1:
-            return (_frozen(np.arange(len(self.faces))),)
+            return (frozen(np.arange(len(self.faces))),)
         volumes, _ = shell_volumes(self.vertices, self.faces, of_face, number)
         order = np.argsort(-np.abs(volumes), kind="stable")
-        return tuple(_frozen(np.flatnonzero(of_face == shell)) for shell in order.tolist())
+        return tuple(frozen(np.flatnonzero(of_face == shell)) for shell in order.tolist())
 
     @cached_property
     def shell_bridges(self) -> ShellBridges:

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from idviewer.core.errors import Part
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnosis_of
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.named_repairs import NAMED_REPAIRS, Surface, wall_record
@@ -36,6 +37,7 @@ class RawBody:
         notes: of the file's reader, one sentence each.
         unit: of the coordinates; empty where it is not known.
         component: which of several components to take; None where there may be only one.
+        parts: the shapes that the file knows by name, all of which are in it.
 
     >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     >>> body = RawBody(PolygonSoup.of(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2]]), "bag")
@@ -48,6 +50,7 @@ class RawBody:
     notes: tuple[str, ...] = ()
     unit: str = ""
     component: ComponentChoice | None = None
+    parts: tuple[Part, ...] = ()
 
     @classmethod
     def of(cls, mesh: Mesh) -> RawBody:
@@ -225,7 +228,10 @@ class BrokenBodyError(MeshError):
         told = MeshError.from_report(outcome.report, source)
         advice = outcome.advice
         if not advice:
-            error = cls(str(told), told.findings, told.components)
+            parts = outcome.body.parts if told.components and len(outcome.body.parts) > 1 else ()
+            choice = f"; or one of its parts by name, part={parts[0].name!r}" if parts else ""
+            error = cls(f"{told}{choice}", told.findings, told.components)
+            error.parts = parts
         else:
             # Into how many pieces a surface falls does not count beside what they come from.
             findings = (one for one in outcome.report.findings if one.kind not in COMPONENT_KINDS)
