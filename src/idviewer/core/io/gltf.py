@@ -1,218 +1,281 @@
-"""glTF 2.0 files, binary (GLB) and text: all triangles of the default scene, where its nodes place them.
+"""glTF 2.0 files, binary (GLB) and text: all triangles of the default scene, in the pose that is stored.
 
-Materials, images, skins and morph targets are not looked at: skinned meshes come in the pose they are stored
-in.
+Nodes place their meshes; those with a skin are placed by its joints instead. Morph targets have their default
+weights. Materials, images and animations are not looked at.
 """
 
 from __future__ import annotations
 
-import base64
 import json
+import re
 import struct
-import urllib.parse
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core.arrays import Floats, Ints
+from idviewer.core.errors import Part
+from idviewer.core.io.contents import Contents, FileSource
+from idviewer.core.io.gltf_data import GltfData, normalised
+from idviewer.core.io.gltf_pose import joint_matrices, morphed, places_of, skinned
+from idviewer.core.io.libraries import arrays_by
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.validation.polygon_soup import PolygonSoup, strips
 from idviewer.core.validation.soup_repairs import without_unused_vertices
 
-_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_HARMLESS = (
-    "KHR_mesh_quantization",
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "KHR_lights_",
-    "KHR_xmp",
+_DRACO = "KHR_draco_mesh_compression"
+_UNDERSTOOD = ("KHR_mesh_quantization", "EXT_meshopt_compression", "KHR_meshopt_compression", _DRACO)
+_HARMLESS = re.compile(
+    r"[A-Z0-9]+_(materials|textures?|lights?|image|xmp|animation|audio|techniques|structural_metadata"
+    r"|feature_metadata|mesh_features|instance_features)(_\w+|$)|VRMC?(_\w+|$)"
 )
+"""Extensions that tell how a shape looks, moves or is annotated, and not where it is."""
+
+_METRES = "m"
 
 
-def read_glb(data: bytes) -> PolygonSoup:
-    """Read the polygons of a GLB file.
+def read_glb(source: FileSource) -> Contents[PolygonSoup]:
+    """Read the polygons of a GLB file, of all its nodes together or of a chosen one.
 
     Args:
-        data: of the file.
+        source: the file.
 
     Raises:
         UnreadableError: it is no whole, consistent GLB file of version 2, or needs what is not supported.
+        PartError: it has no such node.
     """
+    data = source.data
     if data[:4] != b"glTF" or len(data) < 12:
         raise UnreadableError("it does not begin with glTF")
     version, length = struct.unpack_from("<II", data, 4)
     if version != 2:
         raise UnreadableError(f"only version 2 is supported, not {version}")
-    if length != len(data):
-        raise UnreadableError(f"truncated or padded: {length:,} bytes are announced, {len(data):,} are there")
-    chunks: dict[bytes, bytes] = {}
-    place = 12
-    while place < length:
-        size, kind = struct.unpack_from("<I4s", data, place)
-        place += 8 + size
-        if place > length:
-            raise UnreadableError("truncated: a chunk is cut off")
-        chunks.setdefault(kind, data[place - size : place])
+    if length > len(data):
+        raise UnreadableError(f"truncated: {length:,} bytes are announced, {len(data):,} are there")
+    chunks, padded = _chunks(data[:length])
+    notes = [f"{len(data) - length:,} bytes after its end were passed over."] if length < len(data) else []
+    if padded:
+        notes.append("Padding bytes between its chunks, or behind them, were passed over.")
     if b"JSON" not in chunks:
         raise UnreadableError("it holds no scene")
-    return _Document(_json(chunks[b"JSON"]), chunks.get(b"BIN\0"), None).polygons()
+    tree = _json(chunks[b"JSON"].rstrip(b"\0 "))
+    return _contents(tree, GltfData(tree, chunks.get(b"BIN\0"), None, len(data)), source, notes)
 
 
-def read_gltf(data: bytes, folder: Path | None = None) -> PolygonSoup:
-    """Read the polygons of a glTF file.
+def read_gltf(source: FileSource) -> Contents[PolygonSoup]:
+    """Read the polygons of a glTF file, of all its nodes together or of a chosen one.
 
     Args:
-        data: of the file.
-        folder: its buffers are looked for there and below, nowhere else; None where there is none.
+        source: the file; its buffers are looked for in its folder and below, nowhere else.
 
     Raises:
         UnreadableError: it is no whole, consistent glTF file of version 2, or needs what is not supported.
+        PartError: it has no such node.
     """
-    return _Document(_json(data), None, folder).polygons()
+    tree = _json(source.data)
+    return _contents(tree, GltfData(tree, None, source.path.parent, len(source.data)), source, [])
+
+
+def _chunks(data: bytes) -> tuple[dict[bytes, bytes], bool]:
+    """The first chunk of every kind, and whether padding was met that no length counts."""
+    chunks: dict[bytes, bytes] = {}
+    place, padded = 12, False
+    while place < len(data):
+        rest = data[place:]
+        gap = -place % 4
+        if not rest.strip(b"\0 ") and len(rest) < 8:
+            return chunks, True
+        if gap and not rest[:gap].strip(b"\0 ") and rest[4:8] not in (b"JSON", b"BIN\0"):
+            place, padded = place + gap, True
+        if place + 8 > len(data):
+            raise UnreadableError("truncated: a chunk is cut off")
+        size, kind = struct.unpack_from("<I4s", data, place)
+        place += 8 + size
+        if place > len(data):
+            raise UnreadableError("truncated: a chunk is cut off")
+        chunks.setdefault(kind, data[place - size : place])
+    return chunks, padded
 
 
 def _json(data: bytes) -> Any:
     try:
-        return json.loads(data)
-    except ValueError as error:
+        tree = json.loads(data)
+    except (ValueError, RecursionError) as error:
         raise UnreadableError(f"truncated or no JSON ({error})") from error
+    if not isinstance(tree, dict) or "asset" not in tree:
+        raise UnreadableError("it is no glTF document")
+    if not str(tree["asset"].get("version", "")).startswith("2"):
+        raise UnreadableError("only version 2 is supported")
+    for extension in map(str, tree.get("extensionsRequired", [])):
+        if extension not in _UNDERSTOOD and not _HARMLESS.match(extension):
+            raise UnreadableError(f"it needs the extension {extension}, which is not supported")
+    return tree
+
+
+def _contents(
+    tree: dict[str, Any], data: GltfData, source: FileSource, notes: list[str]
+) -> Contents[PolygonSoup]:
+    scene = _Scene(tree, data)
+    nodes = scene.with_meshes()
+    parts = tuple(Part(scene.name(node)) for node in nodes)
+    if source.part is not None:
+        chosen = source.chosen(parts, "nodes")
+        nodes = nodes if chosen is None else [nodes[chosen]]
+    soup = PolygonSoup.joined([piece for node in nodes for piece in scene.polygons(node)])
+    return Contents(soup, (*notes, *scene.notes), _METRES, parts)
 
 
 @dataclass
-class _Document:
-    """A glTF document, the binary chunk it came with and the folder it lies in."""
+class _Scene:
+    """The nodes of the scene that is shown first; of all root nodes if there is no scene."""
 
     tree: dict[str, Any]
-    chunk: bytes | None
-    folder: Path | None
+    data: GltfData
+    notes: dict[str, None] = field(default_factory=dict)
 
-    def polygons(self) -> PolygonSoup:
-        """All triangles of the scene that is shown first; of all root nodes if there is no scene."""
-        if not isinstance(self.tree, dict) or "asset" not in self.tree:
-            raise UnreadableError("it is no glTF document")
-        if not str(self.tree["asset"].get("version", "")).startswith("2"):
-            raise UnreadableError("only version 2 is supported")
-        for extension in self.tree.get("extensionsRequired", []):
-            if not str(extension).startswith(_HARMLESS):
-                raise UnreadableError(f"it needs the extension {extension}, which is not supported")
-        self.buffers = [self.buffer(index) for index in range(len(self.tree.get("buffers", [])))]
-        self.parts: list[PolygonSoup] = []
-        self.place(self.roots())
-        return PolygonSoup.joined(self.parts)
+    def __post_init__(self) -> None:
+        self.nodes: list[dict[str, Any]] = self.tree.get("nodes", [])
+        self.places = places_of(self.nodes)
 
-    def roots(self) -> list[int]:
-        scenes, nodes = self.tree.get("scenes", []), self.tree.get("nodes", [])
+    def with_meshes(self) -> list[int]:
+        """Numbers of the nodes that have meshes, each before those below it."""
+        scenes = self.tree.get("scenes", [])
         if scenes:
-            return scenes[self.tree.get("scene", 0)].get("nodes", [])
-        children = {child for node in nodes for child in node.get("children", [])}
-        return [index for index in range(len(nodes)) if index not in children]
-
-    def place(self, roots: list[int]) -> None:
-        """Add the triangles of the root nodes and of all nodes below them."""
-        waiting = [(root, np.eye(4)) for root in reversed(roots)]
-        seen: set[int] = set()
+            roots = scenes[self.tree.get("scene", 0)].get("nodes", [])
+        else:
+            children = {child for node in self.nodes for child in node.get("children", [])}
+            roots = [index for index in range(len(self.nodes)) if index not in children]
+        waiting, found, seen = list(reversed(roots)), [], set()
         while waiting:
-            index, parent = waiting.pop()
+            index = waiting.pop()
             if index in seen:
                 raise UnreadableError("a node hangs in two places, or below itself")
             seen.add(index)
-            node = self.tree["nodes"][index]
-            matrix = parent @ _matrix(node)
-            if "mesh" in node:
-                for primitive in self.tree["meshes"][node["mesh"]]["primitives"]:
-                    self.parts += self.primitive(primitive, matrix)
-            waiting += [(child, matrix) for child in reversed(node.get("children", []))]
+            if "mesh" in self.nodes[index]:
+                found.append(index)
+            waiting += reversed(self.nodes[index].get("children", []))
+        return found
 
-    def primitive(self, primitive: dict[str, Any], matrix: Floats) -> list[PolygonSoup]:
-        """One list, strip or fan of triangles; none for points and lines."""
-        mode = primitive.get("mode", _TRIANGLES)
-        if mode not in (_TRIANGLES, _STRIP, _FAN):
-            return []
-        points = self.accessor(primitive["attributes"]["POSITION"]).astype(np.float64)
-        if points.shape[1:] != (3,):
-            raise UnreadableError("its points do not have three coordinates")
-        if "indices" in primitive:
-            corners = self.accessor(primitive["indices"]).astype(np.int64).ravel()
+    def name(self, index: int) -> str:
+        node = self.nodes[index]
+        return str(node.get("name") or self.tree["meshes"][node["mesh"]].get("name") or f"node {index}")
+
+    def polygons(self, index: int) -> list[PolygonSoup]:
+        """Those of one node."""
+        node = self.nodes[index]
+        mesh = self.tree["meshes"][node["mesh"]]
+        if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
+            raise UnreadableError("it needs the extension EXT_mesh_gpu_instancing, which is not supported")
+        primitives = [
+            one for one in mesh["primitives"] if one.get("mode", _TRIANGLES) in (_TRIANGLES, _STRIP, _FAN)
+        ]
+        unpacked = self.unpacked(primitives)
+        weights = node.get("weights", mesh.get("weights", []))
+        pose = None
+        if "skin" in node:
+            pose = joint_matrices(self.data, self.tree["skins"][node["skin"]], self.places)
+            self.notes["Its skin is posed by its joints as they are stored."] = None
+        pieces = []
+        for number, primitive in enumerate(primitives):
+            values = _Attributes(self.data, primitive, number, unpacked)
+            points = values("POSITION").astype(np.float64)
+            if points.shape[1:] != (3,):
+                raise UnreadableError("its points do not have three coordinates")
+            if any(weights) and primitive.get("targets"):
+                points = morphed(self.data, points, primitive, weights)
+                self.notes["Its morph targets have their default weights."] = None
+            triangles = _triangles(values.corners(len(points)), primitive.get("mode", _TRIANGLES))
+            pieces.append(self.placed(points, triangles, self.places[index], pose, values))
+        return pieces
+
+    def placed(
+        self,
+        points: Floats,
+        triangles: Ints,
+        place: Floats,
+        pose: Floats | None,
+        values: _Attributes,
+    ) -> PolygonSoup:
+        """One primitive where its joints, or else its node, put it."""
+        self.data.take(points.nbytes + triangles.size * 4)
+        if pose is not None and "JOINTS_0" in values:
+            points = skinned(points, *values.joints(), pose)
+            turned = np.mean(np.linalg.det(pose[:, :3, :3]) < 0) > 0.5
         else:
-            corners = np.arange(len(points))
-        triangles = _triangles(corners, mode)
-        if np.linalg.det(matrix[:3, :3]) < 0:  # a mirror turns the winding round
+            points = points @ place[:3, :3].T + place[:3, 3]
+            turned = np.linalg.det(place[:3, :3]) < 0
+        if turned:  # a mirror turns the winding round
             triangles = triangles[:, ::-1]
-        points = points @ matrix[:3, :3].T + matrix[:3, 3]
         if triangles.size and triangles.min() >= 0 and triangles.max() < len(points):
             # Primitives share one set of points; those of the others are none of this one's.
             points, triangles = without_unused_vertices(points, triangles)
-        return [PolygonSoup(points, triangles.ravel(), np.full(len(triangles), 3))]
+        return PolygonSoup(points, triangles.ravel(), np.full(len(triangles), 3))
 
-    def accessor(self, index: int) -> NDArray:
-        """(count, width) values; sparse ones filled in, normalised integers as numbers of -1 .. 1."""
-        accessor = self.tree["accessors"][index]
-        dtype, width = np.dtype(_TYPES[accessor["componentType"]]), _WIDTHS[accessor["type"]]
-        count = accessor["count"]
-        if "bufferView" in accessor:
-            values = self.view(accessor, dtype, count, width)
-        elif "sparse" in accessor:
-            values = np.zeros((count, width), dtype)
-        else:
-            raise UnreadableError(
-                "a part of it has no data, or is compressed by an extension that is not supported"
-            )
-        if "sparse" in accessor:
-            sparse = accessor["sparse"]
-            indices = np.dtype(_TYPES[sparse["indices"]["componentType"]])
-            values = values.copy()
-            where = self.view(sparse["indices"], indices, sparse["count"], 1).ravel()
-            values[where] = self.view(sparse["values"], dtype, sparse["count"], width)
-        if accessor.get("normalized") and dtype.kind in "iu":
-            return np.maximum(values / np.iinfo(dtype).max, -1.0)
-        return values
+    def unpacked(self, primitives: list[dict[str, Any]]) -> dict[str, NDArray]:
+        """What Draco has compressed, of all primitives that have no plain data."""
+        packed = {
+            number: one["extensions"][_DRACO]
+            for number, one in enumerate(primitives)
+            if _DRACO in one.get("extensions", {}) and not self.is_plain(one["attributes"]["POSITION"])
+        }
+        if not packed:
+            return {}
+        blobs = [self.data.view_bytes(one["bufferView"]) for one in packed.values()]
+        attributes = [list(one["attributes"].values()) for one in packed.values()]
+        reason = "its meshes are compressed by Draco"
+        made = arrays_by("DracoPy", "draco", blobs, attributes=attributes, reason=reason)
+        self.data.take(sum(values.nbytes for values in made.values()))
+        numbers = list(packed)
+        renamed = {}
+        for order, one in enumerate(packed.values()):
+            renamed[f"{numbers[order]} corners"] = made[f"faces_{order}"].ravel()
+            for name, identity in one["attributes"].items():
+                renamed[f"{numbers[order]} {name}"] = made[f"{order}_{identity}"]
+        return renamed
 
-    def view(self, source: dict[str, Any], dtype: np.dtype, count: int, width: int) -> NDArray:
-        """(count, width) values from a buffer view."""
-        view = self.tree["bufferViews"][source["bufferView"]]
-        buffer = self.buffers[view["buffer"]]
-        offset = source.get("byteOffset", 0)
-        stride = view.get("byteStride", dtype.itemsize * width)
-        needed = offset + (count - 1) * stride + width * dtype.itemsize if count else 0
-        start = view.get("byteOffset", 0)
-        if (
-            min(count, offset, start) < 0
-            or needed > view["byteLength"]
-            or start + view["byteLength"] > len(buffer)
-        ):
-            raise UnreadableError("truncated: it refers to data that is not there")
-        return np.ndarray((count, width), dtype, buffer, start + offset, (stride, dtype.itemsize))
+    def is_plain(self, index: int) -> bool:
+        return bool({"bufferView", "sparse"} & self.tree["accessors"][index].keys())
 
-    def buffer(self, index: int) -> bytes:
-        """A buffer's bytes: the binary chunk, a data URI, or a file beside the document."""
-        buffer = self.tree["buffers"][index]
-        own = self.chunk if index == 0 else None
-        data = self.fetched(buffer["uri"]) if "uri" in buffer else own
-        if data is None or len(data) < buffer["byteLength"]:
-            raise UnreadableError("truncated: a buffer is shorter than it announces")
-        return data
 
-    def fetched(self, uri: str) -> bytes:
-        if uri.startswith("data:"):
-            head, _, content = uri.partition(",")
-            return (
-                base64.b64decode(content)
-                if head.endswith(";base64")
-                else urllib.parse.unquote_to_bytes(content)
-            )
-        name = Path(urllib.parse.unquote(uri))
-        if self.folder is None or name.is_absolute() or ".." in name.parts or ":" in name.parts[0]:
-            raise UnreadableError(f"it keeps its data elsewhere ({uri[:60]})")
-        try:
-            return (self.folder / name).read_bytes()
-        except OSError:
-            raise UnreadableError(f"the file {name} with its data is missing") from None
+@dataclass
+class _Attributes:
+    """The values of one primitive's vertices, plain or unpacked."""
+
+    data: GltfData
+    primitive: dict[str, Any]
+    number: int
+    unpacked: dict[str, NDArray]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.primitive["attributes"]
+
+    def __call__(self, name: str) -> NDArray:
+        index = self.primitive["attributes"][name]
+        found = self.unpacked.get(f"{self.number} {name}")
+        if found is None:
+            return self.data.accessor(index)
+        accessor = self.data.tree["accessors"][index]
+        if len(found) != accessor["count"]:
+            raise UnreadableError("its compressed data do not hold what is announced")
+        return normalised(found.reshape(len(found), -1), bool(accessor.get("normalized")))
+
+    def corners(self, points: int) -> Ints:
+        """Vertex numbers of the triangles, strip or fan."""
+        if f"{self.number} corners" in self.unpacked:
+            return self.unpacked[f"{self.number} corners"].astype(np.int64)
+        if "indices" in self.primitive:
+            return self.data.accessor(self.primitive["indices"]).astype(np.int64).ravel()
+        return np.arange(points)
+
+    def joints(self) -> tuple[Ints, Floats]:
+        """The joints (n, k) that move each vertex, and their weights."""
+        sets = [number for number in range(len(self.primitive["attributes"])) if f"JOINTS_{number}" in self]
+        joints = np.concatenate([self(f"JOINTS_{number}").astype(np.int64) for number in sets], axis=1)
+        weights = np.concatenate([self(f"WEIGHTS_{number}").astype(np.float64) for number in sets], axis=1)
+        return joints, weights
 
 
 def _triangles(corners: Ints, mode: int) -> Ints:
@@ -223,21 +286,3 @@ def _triangles(corners: Ints, mode: int) -> Ints:
     if len(corners) % 3:
         raise UnreadableError("truncated: a triangle has fewer than three corners")
     return corners.reshape(-1, 3)
-
-
-def _matrix(node: dict[str, Any]) -> Floats:
-    """A node's transformation: its matrix, or translation times rotation times scale."""
-    if "matrix" in node:
-        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
-    matrix = np.eye(4)
-    x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)
-    rotation = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    matrix[:3, :3] = rotation * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
-    matrix[:3, 3] = node.get("translation", (0, 0, 0))
-    return matrix

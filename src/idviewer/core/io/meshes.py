@@ -8,6 +8,7 @@ from pathlib import Path
 from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.files import bytes_of
 from idviewer.core.io.formats import format_of, one_line
+from idviewer.core.io.libraries import MissingLibraryError
 from idviewer.core.io.text import UnreadableError
 from idviewer.core.shapes.diagnosis import Diagnosis
 from idviewer.core.shapes.mesh import Mesh, MeshError
@@ -89,6 +90,8 @@ def _contents(path: Path, part: str | None) -> Contents[PolygonSoup]:
         return known.contents(FileSource(data, path, part))
     except PartError as error:
         raise MeshError(f"{where}: {one_line(error)}").with_parts(error.parts) from error
+    except MissingLibraryError as error:
+        raise MeshError(f"{where}: {one_line(error)}") from error
     except UnreadableError as error:
         raise MeshError(f"{where}: not a whole {kind} file: {one_line(error)}; export it again") from error
     except Exception as error:  # rubbish can make a parser raise anything; out of this door comes one line
