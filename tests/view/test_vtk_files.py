@@ -14,27 +14,18 @@ from tests.core import meshfiles, shapes
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import (
-    VTK_LINE,
-    VTK_PIXEL,
-    VTK_POLYGON,
-    VTK_QUAD,
-    VTK_TETRA,
-    VTK_TRIANGLE,
-    VTK_TRIANGLE_STRIP,
-    VTK_VERTEX,
     vtkCellArray,
     vtkPolyData,
-    vtkUnstructuredGrid,
 )
 from vtkmodules.vtkFiltersCore import vtkStripper
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from idviewer.cli import shape_info
 from idviewer.cli.parsing import shape_of
 from idviewer.core import Mesh, MeshError, read_mesh, repair_mesh
-from idviewer.core.io import FileSource, UnreadableError, formats, readable_suffixes
+from idviewer.core.io import Contents, FileSource, UnreadableError, formats, readable_suffixes
 from idviewer.view import vtk_reader_process
 from idviewer.view.vtk_files import VTK_SUFFIXES, read_vtk, register_vtk_reader
 
@@ -42,8 +33,12 @@ ASCII, BINARY, APPENDED = range(3)
 COMPRESSORS = ["NONE", "ZLIB", "LZ4", "LZMA"]  # as VTK numbers them
 
 
-def read(data: bytes):
+def contents(data: bytes) -> Contents:
     return read_vtk(FileSource(data, Path("here.vtp")))
+
+
+def read(data: bytes):
+    return contents(data).geometry
 
 
 def polydata(vertices, polygons, single: bool = False) -> vtkPolyData:
@@ -96,28 +91,6 @@ def legacy(tmp_path, writer: vtkPolyDataWriter | vtkUnstructuredGridWriter, data
     return path.read_bytes()
 
 
-def grid(cells: list[tuple[int, list[int]]]) -> vtkUnstructuredGrid:
-    points = vtkPoints()
-    for x, y, z in itertools.product((0, 1), repeat=3):
-        points.InsertNextPoint(x, y, z)
-    made = vtkUnstructuredGrid()
-    made.SetPoints(points)
-    for kind, corners in cells:
-        made.InsertNextCell(kind, len(corners), corners)
-    return made
-
-
-def grid_file(tmp_path, data: vtkUnstructuredGrid, xml: bool) -> bytes:
-    if not xml:
-        return legacy(tmp_path, vtkUnstructuredGridWriter(), data, True)
-    path = tmp_path / "written.vtu"
-    writer = vtkXMLUnstructuredGridWriter()
-    writer.SetFileName(str(path))
-    writer.SetInputData(data)
-    assert writer.Write()
-    return path.read_bytes()
-
-
 @pytest.mark.one_is_quick
 @pytest.mark.parametrize("mode", [ASCII, BINARY, APPENDED])
 @pytest.mark.parametrize("compressor", COMPRESSORS)
@@ -129,8 +102,8 @@ def test_every_way_of_writing(tmp_path, mode, compressor):
         how = {"header": header, "ids": ids, "encode": encode, "order": order, "block": 64}
         arrays = vtk_reader_process.read(written(tmp_path, data, mode, compressor, **how))
         assert np.array_equal(arrays["points"], vertices)
-        assert arrays["polygon_sizes"].tolist() == [len(polygon) for polygon in polygons]
-        assert arrays["polygon_corners"].tolist() == [corner for polygon in polygons for corner in polygon]
+        assert arrays["sizes"].tolist() == [len(polygon) for polygon in polygons]
+        assert arrays["corners"].tolist() == [corner for polygon in polygons for corner in polygon]
 
 
 def test_several_pieces_are_joined(tmp_path):
@@ -168,31 +141,6 @@ def test_legacy_files(tmp_path, binary):
     assert np.array_equal(soup.vertices, vertices)
     assert soup.sizes.tolist() == [len(polygon) for polygon in polygons]
     assert soup.corners.tolist() == [corner for polygon in polygons for corner in polygon]
-
-
-@pytest.mark.parametrize("xml", [False, True])
-def test_the_flat_cells_of_an_unstructured_grid(tmp_path, xml):
-    cells = [
-        (VTK_TRIANGLE, [0, 1, 2]),
-        (VTK_LINE, [0, 1]),
-        (VTK_PIXEL, [4, 5, 6, 7]),
-        (VTK_TRIANGLE_STRIP, [1, 2, 3, 4]),
-        (VTK_VERTEX, [3]),
-        (VTK_QUAD, [3, 2, 1, 0]),
-        (VTK_POLYGON, [0, 2, 4, 6, 7]),
-    ]
-    soup = read(grid_file(tmp_path, grid(cells), xml))
-    assert len(soup.vertices) == 8
-    assert soup.sizes.tolist() == [3, 4, 4, 5, 3, 3]
-    turned_strip = [1, 2, 3, 3, 2, 4]
-    assert soup.corners.tolist() == [0, 1, 2, 4, 5, 7, 6, 3, 2, 1, 0, 0, 2, 4, 6, 7, *turned_strip]
-
-
-@pytest.mark.parametrize("xml", [False, True])
-def test_a_grid_of_volumes_is_refused(tmp_path, xml):
-    data = grid_file(tmp_path, grid([(VTK_TETRA, [0, 1, 2, 4])]), xml)
-    with pytest.raises(UnreadableError, match="cells that are no polygons; extract the surface"):
-        read(data)
 
 
 def test_other_data_are_refused_by_their_name(tmp_path):

@@ -38,8 +38,13 @@ LEGACY_READERS: dict[str, type] = {
 LEGACY_HEADER = rb"# vtk DataFile Version[^\n]*\n[^\n]*\n\s*(?:ASCII|BINARY)\s+DATASET\s+(\w+)"
 
 # VTK's numbers of cell types.
-POINTS_AND_LINES = (0, 1, 2, 3, 4)
-TRIANGLE, STRIP, POLYGON, PIXEL, QUAD = 5, 6, 7, 8, 9
+STRIP, POLYGON, POLYHEDRON = 6, 7, 42
+
+VTKS_OWN_MEMORY = 256 << 20
+"""Bytes that VTK takes for itself, beside those that a file may ask for."""
+
+DUPLICATED_OR_HIDDEN = 1 | 32
+"""Marks of cells that another piece has, or that are not shown."""
 
 
 class DamagedError(ValueError):
@@ -47,10 +52,10 @@ class DamagedError(ValueError):
 
 
 def read(data: bytes) -> dict[str, NDArray]:
-    """Points, polygons and triangle strips of a file.
+    """Points and cells of a file.
 
     Returns:
-        points (n, 3), and for polygons and strips each their corners and sizes.
+        points (n, 3); corners, sizes and VTK's types of cells; corners and sizes of all polyhedra's faces.
 
     Raises:
         DamagedError: the file holds no surface, or its arrays do not fit each other. What else is wrong with
@@ -58,19 +63,26 @@ def read(data: bytes) -> dict[str, NDArray]:
     """
     made = _read_xml(data) if data.lstrip()[:1] == b"<" else _read_legacy(data)
     points = _points(made)
+    faces: Cells = (np.empty(0, np.int64), np.empty(0, np.int64))
     if isinstance(made, vtkPolyData):
         polygons, strips = _cells(made.GetPolys()), _cells(made.GetStrips())
+        cells = np.concatenate([polygons[0], strips[0]]), np.concatenate([polygons[1], strips[1]])
+        types = np.repeat([POLYGON, STRIP], [len(polygons[1]), len(strips[1])])
     else:
-        polygons, strips = _surface_of(made)
-    for corners, _ in (polygons, strips):
+        grid: Any = made
+        cells, types = _cells_of_grid(grid)
+        if np.any(types == POLYHEDRON):
+            faces = _cells(grid.GetPolyhedronFaces())
+    for corners, _ in (cells, faces):
         if np.any((corners < 0) | (corners >= len(points))):
             raise DamagedError("truncated or damaged (it has fewer points than its cells name)")
     return {
         "points": points,
-        "polygon_corners": polygons[0],
-        "polygon_sizes": polygons[1],
-        "strip_corners": strips[0],
-        "strip_sizes": strips[1],
+        "corners": cells[0],
+        "sizes": cells[1],
+        "types": types,
+        "face_corners": faces[0],
+        "face_sizes": faces[1],
     }
 
 
@@ -115,20 +127,23 @@ def _refuse_errors(told: str | bytes) -> None:
         raise DamagedError(f"truncated or damaged ({error.group(1)[:80].rstrip(' .')})")
 
 
-def _surface_of(grid: Any) -> tuple[Cells, Cells]:
-    """Polygons and triangle strips among the cells of a grid; points and lines are passed over."""
+def _cells_of_grid(grid: Any) -> tuple[Cells, NDArray[np.int64]]:
+    """The cells of a grid and their types, without those that belong to another piece."""
     corners, sizes = _cells(grid.GetCells())
-    types = np.array([grid.GetCellType(cell) for cell in range(len(sizes))], dtype=np.int64)
-    if not np.isin(types, (*POINTS_AND_LINES, TRIANGLE, STRIP, POLYGON, PIXEL, QUAD)).all():
-        raise DamagedError("it holds cells that are no polygons; extract the surface and save that")
-    pixels = np.flatnonzero((types == PIXEL) & (sizes == 4))
-    third = (np.cumsum(sizes) - sizes)[pixels] + 2
-    corners[np.stack([third, third + 1])] = corners[np.stack([third + 1, third])]
-    is_strip, is_polygon = types == STRIP, np.isin(types, (TRIANGLE, POLYGON, PIXEL, QUAD))
-    return (
-        (corners[np.repeat(is_polygon, sizes)], sizes[is_polygon]),
-        (corners[np.repeat(is_strip, sizes)], sizes[is_strip]),
-    )
+    types = np.empty(0, np.int64)
+    if len(sizes):
+        types = vtk_to_numpy(grid.GetCellTypes()).astype(np.int64)
+    if len(types) != len(sizes):
+        raise DamagedError("truncated or damaged (its cells do not fit their types)")
+    ghosts = grid.GetCellGhostArray()
+    if ghosts is not None and len(sizes):
+        own = (vtk_to_numpy(ghosts) & DUPLICATED_OR_HIDDEN) == 0
+        if np.any(types[~own] == POLYHEDRON):
+            raise DamagedError(
+                "it has polyhedra that belong to other pieces; extract the surface and save that"
+            )
+        corners, sizes, types = corners[np.repeat(own, sizes)], sizes[own], types[own]
+    return (corners, sizes), types
 
 
 def _points(data: vtkPointSet) -> NDArray[np.float64]:
@@ -152,15 +167,14 @@ def _cells(cells: vtkCellArray | None) -> Cells:
 
 def _limit(memory: int, seconds: int) -> None:
     """Have the system end this process where reading takes more: counts in a damaged file are any number."""
-    with suppress(ImportError, OSError, ValueError):  # there is none on Windows, nor core dumps
+    with suppress(ImportError, OSError):  # there is none on Windows, nor core dumps
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_CPU, (int(time.process_time()) + seconds,) * 2)
-        pages = int(
-            Path("/proc/self/statm").read_text().split()[0]
-        )  # none on macOS, which knows no such limit
-        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + memory,) * 2)
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        most = pages * resource.getpagesize() + memory + VTKS_OWN_MEMORY
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 def main() -> int:
@@ -172,6 +186,9 @@ def main() -> int:
     try:
         arrays = read(sys.stdin.buffer.read())
         _refuse_errors(window.GetOutput())
+    except MemoryError:
+        print("it asks for more memory than a file of its size can need", file=sys.stderr)
+        return 1
     except DamagedError as error:
         print(error, file=sys.stderr)
         return 1

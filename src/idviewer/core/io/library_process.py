@@ -40,7 +40,7 @@ def _draco(blobs: list[bytes], how: dict[str, Any]) -> Arrays:
     return made
 
 
-OWN_MEMORY = 64 << 20
+LIBRARIES_OWN_MEMORY = 64 << 20
 """Bytes that libraries take for themselves."""
 
 TASKS: dict[str, Callable[[list[bytes], dict[str, Any]], Arrays]] = {"draco": _draco}
@@ -64,7 +64,7 @@ def main(task: str) -> int:
     blobs = [sys.stdin.buffer.read(size) for size in head["sizes"]]
     for name in head["imports"]:
         __import__(name)
-    bound_memory(head["memory"] + OWN_MEMORY)
+    bound_memory(head["memory"] + LIBRARIES_OWN_MEMORY)
     answer = io.BytesIO()
     try:
         with redirect_stdout(sys.stderr):

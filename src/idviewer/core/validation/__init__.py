@@ -1,5 +1,6 @@
 """Validation: what is wrong with the vertices and faces of a boundary, and its repairs."""
 
+from idviewer.core.validation.cell_surfaces import Cells, surface_of_cells
 from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup, strips
@@ -7,11 +8,13 @@ from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_
 from idviewer.core.validation.validation_report import ValidationReport
 
 __all__ = [
+    "Cells",
     "Finding",
     "PolygonSoup",
     "TriangleQuality",
     "ValidationReport",
     "strips",
+    "surface_of_cells",
     "triangle_quality_of",
     "validate",
 ]
