@@ -15,6 +15,7 @@ from idviewer.core.io.off import read_off
 from idviewer.core.io.ply import read_ply
 from idviewer.core.io.polygon_readers import read_csv, read_json, read_wkt
 from idviewer.core.io.stl import read_stl
+from idviewer.core.validation.polygon_soup import PolygonSoup
 
 Reader = Callable[[FileSource], Any]
 """From a file to the Contents of it: of a PolygonSoup, or of a polygon's loops; or to those themselves."""
@@ -62,6 +63,12 @@ def _read_svg(source: FileSource) -> list[Floats]:
     return read_svg(source.data, source.part)
 
 
+def _read_3mf(source: FileSource) -> Contents[PolygonSoup]:
+    from idviewer.core.io.threemf import read_3mf  # zip and expat take a while to load
+
+    return read_3mf(source)
+
+
 _FROM_VTK = "call idviewer.view.vtk_files.register_vtk_reader, which needs VTK"
 _FORMATS = {
     one.suffix: one
@@ -72,6 +79,7 @@ _FORMATS = {
         FileFormat(".stl", "STL", 3, lambda source: read_stl(source.data)),
         FileFormat(".glb", "GLB", 3, read_glb, holds_parts=True),
         FileFormat(".gltf", "glTF", 3, read_gltf, holds_parts=True),
+        FileFormat(".3mf", "3MF", 3, _read_3mf, holds_parts=True),
         FileFormat(".vtp", "VTP", 3, None, _FROM_VTK),
         FileFormat(".vtu", "VTU", 3, None, _FROM_VTK),
         FileFormat(".vtk", "VTK", 3, None, _FROM_VTK),
