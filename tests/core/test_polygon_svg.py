@@ -25,7 +25,7 @@ from idviewer.core.io.svg import CurveFlattening
         drawing('<polyline points="0 0 1 0 1 1 0 1"/>'),
         drawing('<rect width="1" height="1"/>'),
         drawing('<g transform="scale(0.5)"><rect width="2" height="2"/></g>'),
-        drawing('<defs><path d="M0 0 9 9 0 9z"/></defs><circle r="3"/><path d="M0 0H1V1H0Z"/>'),
+        drawing('<defs><path d="M0 0 9 9 0 9z"/></defs><path d="M0 0H1V1H0Z"/>'),
         drawing('<path d="M0 0H1V1H0Z"/>').replace(' xmlns="http://www.w3.org/2000/svg"', ""),
     ],
 )
@@ -75,10 +75,13 @@ def test_svg_elements_are_told_by_their_id(tmp_path):
         '<rect id="r" width="1" height="1"/><path d="M0 0H2V2H0z"/><path id="p" d="M0 0H3V3H0zM1 1V2H2V1"/>'
     )
     file = written(tmp_path, "three.svg", drawing(body))
-    assert read_polygon(file).area == 4.0
-    assert read_polygon(file, part="r").area == 1.0
-    assert read_polygon(file, part="p").area == 8.0
-    with pytest.raises(PolygonError, match=r"three.svg: .*no shape in it has the id 'q'; there are: r, p"):
+    for part, area in (("r", 1.0), ("2", 4.0), ("p", 8.0), ("3", 8.0)):
+        assert read_polygon(file, part=part).area == area
+    several = r"it holds 3 shapes: 'r' \(1 x 1 px\), '2' \(2 x 2 px\), 'p' \(3 x 3 px\); choose one"
+    with pytest.raises(PolygonError, match=several) as caught:
+        read_polygon(file)
+    assert [part.name for part in caught.value.parts] == ["r", "2", "p"]
+    with pytest.raises(PolygonError, match=r"three.svg: it has no 'q' among its shapes; there are 'r' "):
         read_polygon(file, part="q")
     with pytest.raises(PolygonError, match="it holds one shape, and no part 'r'"):
         read_polygon(written(tmp_path, "square.csv", CSV), part="r")

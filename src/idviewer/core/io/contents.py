@@ -39,14 +39,18 @@ class FileSource:
         if self.part is not None:
             raise PartError(f"it holds one shape, and no part {self.part!a}; leave the part out")
 
-    def chosen(self, parts: Sequence[Part], kind: str) -> int | None:
+    def chosen(
+        self, parts: Sequence[Part], kind: str, other_names: Sequence[Sequence[str]] = ()
+    ) -> int | None:
         """Number of the part to take: the one named, or the only one; None where there is none at all.
 
-        A part goes by its name or, where none is named so, by its place in the file, counted from 1.
+        A part goes by its name or, where none is named so, by another name that it alone has, or else by its
+        place in the file, counted from 1.
 
         Args:
             parts: the shapes in the file, in its order.
             kind: what they are called there, in the plural, such as "features".
+            other_names: of each part, by which it may be chosen, too.
 
         Raises:
             PartError: there are several and none is chosen, or there is none of that name.
@@ -62,6 +66,14 @@ class FileSource:
         names = [part.name for part in parts]
         if self.part in names:
             return names.index(self.part)
+        so_named = [number for number, others in enumerate(other_names) if self.part in others]
+        if len(so_named) == 1:
+            return so_named[0]
+        if len(so_named) > 1:
+            parts = [parts[number] for number in so_named]
+            raise PartError(
+                f"{self.part!a} is the name of several: {named_parts(parts)}; choose one", tuple(parts)
+            )
         if self.part.isascii() and self.part.isdigit() and 1 <= int(self.part) <= len(parts):
             return int(self.part) - 1
         there = f"there are {named_parts(parts)}" if parts else "there are none"

@@ -13,8 +13,10 @@ from idviewer.core.io.gltf import read_glb, read_gltf
 from idviewer.core.io.obj import read_obj
 from idviewer.core.io.off import read_off
 from idviewer.core.io.ply import read_ply
-from idviewer.core.io.polygon_readers import read_csv, read_json, read_wkt
+from idviewer.core.io.polygon_json import read_json
+from idviewer.core.io.polygon_tables import read_csv
 from idviewer.core.io.stl import read_stl
+from idviewer.core.io.wkt import read_wkt
 from idviewer.core.validation.polygon_soup import PolygonSoup
 
 Reader = Callable[[FileSource], Any]
@@ -57,10 +59,10 @@ class FileFormat:
         return found if isinstance(found, Contents) else Contents(found)
 
 
-def _read_svg(source: FileSource) -> list[Floats]:
+def _read_svg(source: FileSource) -> Contents[list[Floats]]:
     from idviewer.core.io.svg import read_svg  # its library takes a while to load
 
-    return read_svg(source.data, source.part)
+    return read_svg(source)
 
 
 def _read_3mf(source: FileSource) -> Contents[PolygonSoup]:
@@ -83,11 +85,11 @@ _FORMATS = {
         FileFormat(".vtp", "VTP", 3, None, _FROM_VTK),
         FileFormat(".vtu", "VTU", 3, None, _FROM_VTK),
         FileFormat(".vtk", "VTK", 3, None, _FROM_VTK),
-        FileFormat(".csv", "CSV", 2, lambda source: read_csv(source.data)),
+        FileFormat(".csv", "CSV", 2, read_csv, holds_parts=True),
         FileFormat(".svg", "SVG", 2, _read_svg, holds_parts=True),
-        FileFormat(".json", "JSON", 2, lambda source: read_json(source.data)),
-        FileFormat(".geojson", "GeoJSON", 2, lambda source: read_json(source.data)),
-        FileFormat(".wkt", "WKT", 2, lambda source: read_wkt(source.data)),
+        FileFormat(".json", "JSON", 2, read_json, holds_parts=True),
+        FileFormat(".geojson", "GeoJSON", 2, read_json, holds_parts=True),
+        FileFormat(".wkt", "WKT", 2, read_wkt, holds_parts=True),
     )
 }
 

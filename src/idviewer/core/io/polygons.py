@@ -27,16 +27,16 @@ def read_polygon(
     """Read the polygon in a file: CSV, SVG, JSON, GeoJSON or WKT, by its suffix.
 
     CSV holds x,y in each line, a header perhaps, and a blank line or nan,nan between loops. JSON holds a list
-    of [x, y], or {"outer": [...], "holes": [[...], ...]}, or a GeoJSON Polygon, also as a feature. WKT holds
-    a POLYGON; there and in GeoJSON a MultiPolygon will do if it has one part. Of an SVG drawing the first
-    path is taken, or else its first other shape; curves become chords within 1e-4 of the diagonal, and y
-    points up.
+    of [x, y], or {"outer": [...], "holes": [[...], ...]}, or GeoJSON, or what labelme, COCO and VIA write.
+    WKT holds polygons. Of an SVG drawing a shape is taken; its curves become chords within 1e-4 of the
+    diagonal, and y points up. Degrees of longitude and latitude are projected to metres.
 
     Args:
         path: of the file.
         samples: how many points to take along the boundary (see `Polygon.resampled`); the file's own vertices
             by default.
-        part: which of several shapes in the file to take, by its name: the id of an SVG element.
+        part: which of several shapes in the file to take, by its name: the id of an SVG element, the name or
+            id of a GeoJSON feature, a label; or by its number.
 
     Raises:
         PolygonError: there is no such file, it cannot be read, it is damaged, or what it holds is no simple
@@ -129,7 +129,10 @@ def _contents(path: Path, part: str | None) -> Contents[list[Floats]]:
     known = format_of(path)
     assert known is not None
     try:
-        return known.contents(FileSource(data, path, part))
+        contents = known.contents(FileSource(data, path, part))
+        if not contents.geometry:
+            raise UnreadableError("it holds no points")
+        return contents
     except PartError as error:
         raise PolygonError(one_line(error)).with_parts(error.parts) from error
     except UnreadableError as error:
