@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from idviewer.core.arrays import frozen
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
 from idviewer.core.shapes.mesh_bridges import Bridge, ShellBridges
+from idviewer.core.shapes.mesh_refinement import refined_arrays, refined_count
 from idviewer.core.validation.body_checks import shell_volumes
 from idviewer.core.validation.component import Component
 from idviewer.core.validation.file_numbering import FileNumbering
@@ -27,6 +29,9 @@ from idviewer.core.validation.soup_repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
 from idviewer.core.validation.validation_report import ValidationReport
+
+MOST_REFINED_VERTICES = 2_000_000
+"""That `Mesh.refined` makes: some minutes, and gigabytes."""
 
 
 class MeshError(ShapeError):
@@ -164,6 +169,40 @@ class Mesh:
                 object.__setattr__(labelled, label, value if isinstance(value, str) else tuple(value))
         return labelled
 
+    def refined(self, edge_length: float) -> Mesh:
+        """Cut edges until none is longer than asked; the surface stays where it is.
+
+        The vertices stay, first and in order; new ones lie on the surface. Inside flat parts edges may be
+        exchanged for better ones. Where no edge is longer, it is the mesh itself.
+
+        Args:
+            edge_length: the longest allowed, in the mesh's unit.
+
+        Raises:
+            MeshError: it is no positive number, or so short that there would be millions of vertices.
+
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> mesh = Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> len(mesh.refined(0.1).vertices), mesh.refined(2.0) is mesh
+        (493, True)
+        """
+        if not 0.0 < edge_length < math.inf:
+            raise MeshError(f"the longest edge must be a positive number, not {edge_length}")
+        if self.longest_edge <= edge_length:
+            return self
+        count = refined_count(self.vertices, self.faces, edge_length)
+        if count > MOST_REFINED_VERTICES:
+            raise MeshError(
+                f"{self.name or 'the mesh'}: with edges of at most {edge_length:.4g} it would have about "
+                f"{count:,.0f} vertices, and {MOST_REFINED_VERTICES:,} is the limit; choose longer ones"
+            )
+        try:
+            made = Mesh(*refined_arrays(self.vertices, self.faces, edge_length), self.name)
+        except MeshError:  # rounding spoilt an exchange of edges
+            made = Mesh(*refined_arrays(self.vertices, self.faces, edge_length, exchanging=False), self.name)
+        object.__setattr__(made, "numbering", self.numbering)
+        return made.with_labels(notes=self.notes, unit=self.unit)
+
     def __repr__(self) -> str:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
 
@@ -231,6 +270,14 @@ class Mesh:
     def bridge_lengths(self) -> NDArray[np.float64]:
         """Length of each bridge, (h,)."""
         return np.array([bridge.length for bridge in self.bridges], dtype=np.float64)
+
+    @cached_property
+    def longest_edge(self) -> float:
+        """Length of the longest edge."""
+        squares = [
+            np.einsum("ij,ij->i", side, side).max() for side in side_vectors(self.vertices, self.faces)
+        ]
+        return math.sqrt(max(squares))
 
     @cached_property
     def triangle_quality(self) -> TriangleQuality:

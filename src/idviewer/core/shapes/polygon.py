@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
@@ -15,13 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, Ints, as_points, frozen
 from idviewer.core.shapes.polygon_bridges import bridges_between, resistances_between
-from idviewer.core.shapes.polygon_resampling import resampled_loops
+from idviewer.core.shapes.polygon_resampling import cut_loops, resampled_loops
 from idviewer.core.validation import polygon_checks as checks
 from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.polygon_checks import PolygonError
 from idviewer.core.validation.polygon_crossings import region_of
 
 __all__ = ["Polygon", "PolygonError"]
+
+MOST_PARTS = 100_000
+"""Of an outline that `Polygon.refined` cuts."""
 
 ON_EDGE_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 """Points nearer to an edge than this share of the largest coordinate lie on it, as far as floats can tell."""
@@ -208,6 +212,40 @@ class Polygon:
             raise self._named(PolygonError(f"with {count} points: {error}")) from None
         return made.with_labels(self.name, self.notes, self.unit)
 
+    def refined(self, edge_length: float) -> Polygon:
+        """Cut edges into equal parts until none is longer than asked; the outline stays where it is.
+
+        The vertices stay, first and in order. Where no edge is longer, it is the polygon itself.
+
+        Args:
+            edge_length: the longest allowed, in the polygon's unit.
+
+        Raises:
+            PolygonError: it is no positive number, or so short that there would be millions of vertices.
+
+        >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> square.refined(0.4).loops[0].tolist()
+        [0, 4, 5, 1, 6, 7, 2, 8, 9, 3, 10, 11]
+        >>> square.refined(1.0) is square
+        True
+        """
+        if not 0.0 < edge_length < math.inf:
+            raise self._named(PolygonError(f"the longest edge must be a positive number, not {edge_length}"))
+        if self.longest_edge <= edge_length:
+            return self
+        if self.perimeter > MOST_PARTS * edge_length:
+            raise self._named(
+                PolygonError(
+                    f"with edges of at most {edge_length:.4g} it would have about "
+                    f"{self.perimeter / edge_length:,.0f} vertices, and {MOST_PARTS:,} is the limit; "
+                    "choose longer ones"
+                )
+            )
+        polygon = object.__new__(Polygon)
+        polygon._label(self.name, self.notes, self.unit)
+        polygon._fill(*cut_loops(self.vertices, self.loops, self.lengths, edge_length))
+        return polygon
+
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points lie inside; those on the boundary do.
 
@@ -263,6 +301,11 @@ class Polygon:
         """Length of each edge, (n,)."""
         sides = self.vertices[self.edges[:, 1]] - self.vertices
         return frozen(np.hypot(sides[:, 0], sides[:, 1]))
+
+    @property
+    def longest_edge(self) -> float:
+        """Length of the longest edge."""
+        return float(self.lengths.max())
 
     @cached_property
     def area(self) -> float:

@@ -1,4 +1,4 @@
-"""Points spread evenly along a polygon's boundary, its corners kept."""
+"""Points spread evenly along a polygon's boundary: its corners kept, or all of its vertices."""
 
 from __future__ import annotations
 
@@ -60,6 +60,40 @@ def resampled_loops(vertices: Floats, loops: tuple[Ints, ...], count: int) -> li
     for arc, number in zip(arcs, counts, strict=True):
         made[arc.loop].append(arc.at(number))
     return [np.concatenate(parts) for parts in made]
+
+
+def cut_loops(
+    vertices: Floats, loops: tuple[Ints, ...], lengths: Floats, longest: float
+) -> tuple[Floats, tuple[Ints, ...]]:
+    """Cut the edges of loops into equal parts no longer than asked.
+
+    Args:
+        vertices: (n, 2).
+        loops: their numbers.
+        lengths: (n,) of the edges, each from its vertex on.
+        longest: that a part may be.
+
+    Returns:
+        The vertices, those that are new behind the others, and the loops through all of them.
+
+    >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> cut_loops(square, (np.arange(4),), np.ones(4), 0.5)[1][0].tolist()
+    [0, 4, 1, 5, 2, 6, 3, 7]
+    """
+    parts = np.maximum(np.ceil(lengths / longest * (1.0 - 1e-9)), 1.0).astype(np.int64)
+    made, through, count = [vertices], [], len(vertices)
+    for loop in loops:
+        pieces = parts[loop]
+        step = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        share = (step / np.repeat(pieces, pieces))[:, None]
+        starts, stops = np.repeat(loop, pieces), np.repeat(np.roll(loop, -1), pieces)
+        new = step > 0
+        numbers = starts.copy()
+        numbers[new] = count + np.arange(np.count_nonzero(new))
+        count += np.count_nonzero(new)
+        made.append(((1.0 - share) * vertices[starts] + share * vertices[stops])[new])
+        through.append(numbers)
+    return np.concatenate(made), tuple(through)
 
 
 def _arcs(number: int, points: Floats) -> list[_Arc]:
