@@ -13,12 +13,11 @@ from idviewer.cli import output, parsing
 from idviewer.cli.options import DisplayOptions, Endpoints, PictureQuery
 
 if TYPE_CHECKING:
+    from idviewer.cli.distance_options import ChosenDistance
     from idviewer.cli.parsing import Point
-    from idviewer.core import Distance, InteriorDistance, Shape
+    from idviewer.core import InteriorDistance, Shape
+    from idviewer.core.spectrum import Resolved
     from idviewer.session import Frame, Pipeline, Query, SpectrumCache
-
-    ChosenDistance = tuple[Distance, str]
-    """A distance on the boundary, and the name of the coordinates that interpolate it inside."""
 
 
 def cache_of(no_cache: bool) -> SpectrumCache | None:
@@ -101,16 +100,19 @@ def _box(shape: Shape) -> str:
 def solver_of(shape: Shape, chosen: ChosenDistance, cache: SpectrumCache | None) -> InteriorDistance:
     """The solver of a shape, with its eigenpairs read or computed; `print_remarks` says what it warns of."""
     from idviewer.core import InteriorDistance
+    from idviewer.core.interior import boundary_steps
     from idviewer.core.steps import finish
     from idviewer.session import EigenpairSource
 
     _print_progress("computing the embedding; the first run also compiles kernels ...")
-    distance, coordinates = chosen
-    pairs = EigenpairSource(cache)
-    spectrum = finish(pairs.steps(shape, distance)) if distance.spectral else None
+    distance = chosen.distance
+    resolved = finish(boundary_steps(shape, distance, chosen.refine))
+    pairs, boundary = EigenpairSource(cache), resolved.shape
+    spectrum = finish(pairs.steps(boundary, distance, resolved.lambda_2)) if distance.spectral else None
     finish(pairs.keep_steps())
-    print_remarks(pairs.remarks(shape))
-    solver = InteriorDistance(shape, distance, coordinates, spectrum=spectrum)
+    refined = resolved.remark(0 if spectrum is None else len(spectrum.values))
+    print_remarks((*([refined] if refined else []), *pairs.remarks(boundary)))
+    solver = InteriorDistance(shape, distance, chosen.coordinates, spectrum=spectrum, refine=resolved)
     solver.coordinates.warns = False
     return solver
 
@@ -138,6 +140,17 @@ def distance_as_json(solver: InteriorDistance) -> dict[str, Any]:
         "distance": distance.name,
         **parameter_values(distance, lambda_2),
         "coordinates": solver.coordinates.name,
+        "refinement": refinement_as_json(solver.boundary.resolved),
+    }
+
+
+def refinement_as_json(resolved: Resolved) -> dict[str, Any]:
+    """How the boundary was refined, for JSON."""
+    return {
+        "asked": resolved.option,
+        "vertices": len(resolved.given.vertices),
+        "computed_on": len(resolved.shape.vertices),
+        "edge_length": resolved.edge_length,
     }
 
 
@@ -177,7 +190,7 @@ def draw_picture(
         write_image(out, state, frame, parsing.size_of(options.size), transparent=options.transparent)
     except RuntimeError as error:
         raise OSError(str(error)) from error
-    print_remarks(frame.remarks)
+    print_remarks((*([frame.refinement] if frame.refinement else []), *frame.remarks))
 
 
 def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Query:
@@ -191,8 +204,7 @@ def query_of(shape: Shape, chosen: ChosenDistance, picture: PictureQuery) -> Que
     source = parsing.source_of(picture.source, shape.dimension)
     if source is not None:
         source = (*source, 0.0)[:3]
-    distance, coordinates = chosen
-    return Query(planes, source, distance, picture.quantity, coordinates)  # type: ignore[arg-type]
+    return Query(planes, source, chosen.distance, picture.quantity, chosen.coordinates, chosen.refine)  # type: ignore[arg-type]
 
 
 def frame_of(shape: Shape, query: Query, cache: SpectrumCache | None) -> Frame:

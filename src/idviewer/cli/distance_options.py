@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from idviewer.cli.options import DistanceOptions
     from idviewer.core import Distance
     from idviewer.core.distances import Parameter
+    from idviewer.core.spectrum import Refine
 
 HELP_WIDTH = 78
 """Of the help, in characters."""
+
+
+class ChosenDistance(NamedTuple):
+    """A distance as it is asked for.
+
+    Attributes:
+        distance: on the boundary.
+        coordinates: the name of those that carry it inside.
+        refine: how the boundary is refined.
+    """
+
+    distance: Distance
+    coordinates: str
+    refine: Refine
 
 
 def distance_of(options: DistanceOptions) -> Distance:
@@ -46,8 +61,8 @@ def distance_of(options: DistanceOptions) -> Distance:
     return made
 
 
-def chosen_distance(options: DistanceOptions) -> tuple[Distance, str]:
-    """The distance of that name, with those parameters, and the name of the coordinates that carry it.
+def chosen_distance(options: DistanceOptions) -> ChosenDistance:
+    """The distance of that name, with its parameters, coordinates, and the refinement of the boundary.
 
     Raises:
         ValueError: there is no such distance, parameter or kind of coordinates, or a value means nothing.
@@ -61,7 +76,21 @@ def chosen_distance(options: DistanceOptions) -> tuple[Distance, str]:
             f"--coordinates {options.coordinates}: there are no such coordinates; "
             f"there are: {', '.join(COORDINATES)}"
         )
-    return distance, options.coordinates
+    return ChosenDistance(distance, options.coordinates, refinement_of(options.refine))
+
+
+def refinement_of(text: str) -> Refine:
+    """What --refine says: a word, or a length.
+
+    Raises:
+        ValueError: it says neither.
+    """
+    from idviewer.core.spectrum import checked_refinement
+
+    try:
+        return checked_refinement(text)
+    except ValueError as error:
+        raise ValueError(f"--refine {text}: {error}") from None
 
 
 def _settings(options: DistanceOptions) -> list[tuple[str, str, str]]:

@@ -23,6 +23,7 @@ ParameterTexts = Annotated[
 ]
 PartName = Annotated[str | None, Parameter(metavar="NAME", allow_leading_hyphen=True)]
 Component = Annotated[int | None, Parameter(metavar="N")]
+RefineText = Annotated[str, Parameter(metavar="no|auto|H", allow_leading_hyphen=True)]
 NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
 
 
@@ -36,12 +37,14 @@ class DistanceOptions:
         set: A parameter of the distance, listed below; may be repeated.
         time: The same as --set time=T, the diffusion time in the shape's unit squared.
         coordinates: The barycentric coordinates that carry it; listed below.
+        refine: Whether edges that are too long for the distance are cut: no, auto, or the longest allowed.
     """
 
     distance: Annotated[str, Parameter(metavar="NAME")] = "diffusion"
     set: ParameterTexts = ()
     time: Annotated[float | None, Parameter(metavar="T", allow_leading_hyphen=True)] = None
     coordinates: Annotated[str, Parameter(metavar="NAME")] = "mean_value"
+    refine: RefineText = "auto"
 
 
 @Parameter(name="*")

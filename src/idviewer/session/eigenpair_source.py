@@ -43,10 +43,14 @@ class EigenpairSource:
         """Remarks on a shape's eigenpairs, one sentence each."""
         return self._remarks if self._of is not None and self._of() is shape else ()
 
-    def steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
-        """Read the eigenpairs that a distance needs, or else compute them."""
+    def steps(
+        self, shape: Shape, distance: Distance, guess: float | None = None
+    ) -> Generator[Progress, None, Spectrum]:
+        """Read the eigenpairs that a distance needs, or else compute them; for guess see `compute_steps`."""
         known = yield from self.look_up_steps(shape, distance)
-        return (yield from self.compute_steps(shape, distance)) if known is None else known
+        if known is not None:
+            return known
+        return (yield from self.compute_steps(shape, distance, guess=guess))
 
     def look_up_steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum | None]:
         """Read the eigenpairs that a distance needs, if they are kept from an earlier run."""

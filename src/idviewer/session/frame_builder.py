@@ -127,6 +127,7 @@ class FrameBuilder:
             value_range=(lowest, highest),
             title=f"Potential U ({self._description})" if potential else self._description,
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
+            modes=0 if spectrum is None else len(spectrum.values),
             remarks=self._samples.remarks,
         )
         return _frozen(frame if self._context.preview is None else self._as_preview(frame))

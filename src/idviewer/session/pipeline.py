@@ -14,9 +14,10 @@ from idviewer.core import Distance, Polygon, Shape, ShapeError, Spectrum, read_s
 from idviewer.core.interior import solver_steps
 from idviewer.core.memory import release_free_memory
 from idviewer.core.sampling import SourceError
-from idviewer.core.spectrum import check_memory
+from idviewer.core.spectrum import Resolved, check_memory
 from idviewer.core.steps import Resumable, map_steps
 from idviewer.core.threads import few_threads, small_products
+from idviewer.session.boundary_source import BoundarySource
 from idviewer.session.cached_view import CachedView
 from idviewer.session.eigenpair_source import READING, REFINING, EigenpairSource
 from idviewer.session.frame_builder import SEARCHING, FrameBuilder
@@ -67,6 +68,7 @@ class Pipeline:
         self._cache = cache
         self._kernels = Kernels()
         self._eigenpairs = EigenpairSource(cache)
+        self._boundaries = BoundarySource()
         self._previews = PreviewSource() if previews else None
         self._looked_up: tuple[Hashable, Cached] | None = None
         self._context: ShapeContext | None = None
@@ -84,8 +86,7 @@ class Pipeline:
                     check_memory(shape)  # what is open stays
                     yield Opened(shape, request.path)
                 case FrameRequest():
-                    with few_threads(len(request.shape.vertices), len(request.shape.facets)):
-                        yield from _throttled(request.shape, self._frames(request))
+                    yield from _throttled(request.shape, self._answers(request))
                 case DropRequest():
                     self._forget_half_done()
         except (
@@ -101,18 +102,27 @@ class Pipeline:
         self._looked_up = None
         self._preparing.forget()
         self._kernels.forget_half_done()
+        self._boundaries.forget_half_done()
         if self._previews is not None:
             self._previews.forget_half_done()
         if self._context is not None:
             self._context.forget_half_done()
 
-    def _frames(self, request: FrameRequest) -> Results:
+    def _answers(self, request: FrameRequest) -> Results:
+        """Refine the boundary where need be; whatever is computed on it is told of the shape asked for."""
+        resolved = yield from self._boundaries.steps(request.shape, request.query)
+        computed = resolved.shape
+        with few_threads(len(computed.vertices), len(computed.facets)):
+            frames = self._frames(replace(request, shape=computed), resolved.lambda_2)
+            yield from map_steps(partial(_of_given_shape, resolved), frames)
+
+    def _frames(self, request: FrameRequest, lambda_2: float | None) -> Results:
         shape, query, context = request.shape, request.query, self._context
         if context is None or context.shape is not shape or context.lacks_eigenpairs(query.distance):
             cached = yield from self._look_up_steps(shape, query)
             if cached[0] is None and self._previews is not None:
                 yield from self._preview_frames(self._previews, shape, query)
-            context = yield from self._prepare_steps(request, cached)
+            context = yield from self._prepare_steps(request, cached, lambda_2)
         yield from self._answer(context, query, self._view)
         yield from self._keep_view_steps(context, query)
         # For slices to come, which somebody now has time to wait for.
@@ -181,31 +191,34 @@ class Pipeline:
                 self._eigenpairs.remark_unwritten(error)
 
     def _prepare_steps(
-        self, request: FrameRequest, cached: Cached
+        self, request: FrameRequest, cached: Cached, lambda_2: float | None
     ) -> Generator[Progress, None, ShapeContext]:
         """Prepare a shape, or go on with it; from then on its context is the pipeline's."""
         query = request.query
         key = request.shape, query.distance.basis_key, query.coordinates
-        context = yield from self._preparing.run(key, partial(self._preparation, request, cached))
+        begin = partial(self._preparation, request, cached, lambda_2)
+        context = yield from self._preparing.run(key, begin)
         self._context, self._view, self._looked_up = context, cached[1], None
         if self._previews is not None:
             self._previews.forget()
         return context
 
-    def _preparation(self, request: FrameRequest, cached: Cached) -> Generator[Progress, None, ShapeContext]:
+    def _preparation(
+        self, request: FrameRequest, cached: Cached, lambda_2: float | None
+    ) -> Generator[Progress, None, ShapeContext]:
         """Make what a query needs before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
         spectrum, view = cached
         if not view.is_there:
             yield from self._kernels.steps(query.coordinates, shape)
         if query.distance.spectral and spectrum is None:
-            spectrum = yield from self._compute_steps(shape, query.distance)
+            spectrum = yield from self._compute_steps(shape, query.distance, lambda_2)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             release_free_memory()
         if self._context is not None and self._context.shape is shape:
             self._context.spectrum = spectrum
             return self._context
-        steps = solver_steps(shape, query.distance, query.coordinates, spectrum)
+        steps = solver_steps(shape, query.distance, query.coordinates, spectrum, "no")
         solver = yield from with_progress(_stage(query.distance), steps)
         context = ShapeContext(solver, self._centre(request))
         view.restore(context, query)
@@ -222,13 +235,23 @@ class Pipeline:
             return request.centre
         return None if self._previews is None else self._previews.centre(request.shape)
 
-    def _compute_steps(self, shape: Shape, distance: Distance) -> Generator[Progress, None, Spectrum]:
-        """Compute eigenpairs; the solver is told what a preview knows of them."""
+    def _compute_steps(
+        self, shape: Shape, distance: Distance, lambda_2: float | None
+    ) -> Generator[Progress, None, Spectrum]:
+        """Compute eigenpairs; the solver is told what a preview, or refining the boundary, knows of them."""
         preview = None if self._previews is None else self._previews.spectrum_of(shape)
         if preview is None:
-            return (yield from self._eigenpairs.compute_steps(shape, distance))
+            return (yield from self._eigenpairs.compute_steps(shape, distance, guess=lambda_2))
         estimate = float(preview.values[0])
         return (yield from self._eigenpairs.compute_steps(shape, distance, REFINING, estimate))
+
+
+def _of_given_shape(resolved: Resolved, result: Result | None) -> Result | None:
+    """What was computed on a refined boundary, as a result of the shape that was given."""
+    if isinstance(result, Frame):
+        modes = result.modes
+        return replace(result, shape=resolved.given, refinement=resolved.remark(modes))
+    return replace(result, shape=resolved.given) if isinstance(result, Ready) else result
 
 
 def _contains(shape: Shape, point: Point | None) -> bool:

@@ -158,12 +158,13 @@ class Session:
         self.frame = self.ready = self._picker = None
         self._cancelled = False
         self._revisions = WeakSet([shape])
-        # A plane, a source and a diffusion time mean nothing on another shape.
+        # A plane, a source, a diffusion time and a length mean nothing on another shape.
         distance = with_defaults(self.state.query.distance)
         if missing_parameters(distance):
             distance = Diffusion()
         planes = (default_plane(shape),) if shape.dimension == 3 else ()
-        query = replace(self.state.query, planes=planes, source=None, distance=distance)
+        refine = self.state.query.refine if isinstance(self.state.query.refine, str) else "auto"
+        query = replace(self.state.query, planes=planes, source=None, distance=distance, refine=refine)
         display = replace(self.state.display, active_plane=0)
         shown = self.state.shape, self.state.query
         self._change(State(shape, query, display))

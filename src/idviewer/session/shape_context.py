@@ -67,7 +67,7 @@ class ShapeContext:
                 self._keep(one.solver.with_coordinates(query.coordinates))
                 return
         key = query.distance.basis_key, query.coordinates
-        begin = partial(solver_steps, self.shape, query.distance, query.coordinates, self.spectrum)
+        begin = partial(solver_steps, self.shape, query.distance, query.coordinates, self.spectrum, "no")
         self._keep((yield from self._building.run(key, begin)))
 
     def _keep(self, solver: InteriorDistance) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from idviewer.core import Diffusion, Distance, Plane, Shape
 from idviewer.core.sampling import SliceValues
 from idviewer.core.shapes import AXES
+from idviewer.core.spectrum import Refine
 
 Quantity = Literal["distance", "potential"]
 Point = tuple[float, float, float]
@@ -30,6 +31,7 @@ class Query:
         distance: the boundary distance that is carried inside.
         quantity: "distance" from the source, or the barycentroid's "potential" U.
         coordinates: the name of the coordinates that carry it.
+        refine: how the boundary is refined: "auto", "no", or the longest edge allowed, in the shape's unit.
     """
 
     planes: tuple[Plane, ...] = ()
@@ -37,6 +39,7 @@ class Query:
     distance: Distance = field(default_factory=Diffusion)
     quantity: Quantity = "distance"
     coordinates: str = "mean_value"
+    refine: Refine = "auto"
 
 
 MAX_ISOLINES = 200
@@ -107,9 +110,11 @@ class Frame:
         title: names the quantity and its parameters, for the scale bar.
         lambda_2: the shape's first non-zero eigenvalue, which a distance's parameters are measured by; None
             while no eigenpairs are there.
+        modes: the number of eigenpairs that are used; 0 without.
         remarks: what the user has to know of the values, one sentence each.
         preview: None, or of a picture made from a simplified mesh while the mesh's own eigenpairs are being
             computed, the estimated largest error of a distance as a share of the largest on the boundary.
+        refinement: in words, how many vertices were added to the boundary and why; empty where none were.
     """
 
     shape: Shape
@@ -123,8 +128,10 @@ class Frame:
     value_range: tuple[float, float]
     title: str
     lambda_2: float | None = None
+    modes: int = 0
     remarks: tuple[str, ...] = ()
     preview: float | None = None
+    refinement: str = ""
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,7 @@ class CommuteTime(Distance):
     name: ClassVar[str] = "commute"
     title: ClassVar[str] = "Commute-time distance"
     menu_order: ClassVar[int] = 15
+    needs_resolution: ClassVar[bool] = True
 
     def basis_steps(self, shape: Shape, spectrum: Spectrum | None) -> Steps:
         """Rows of the inverse Cholesky factor of the grounded Laplacian, (n, n - 1), as a generator.

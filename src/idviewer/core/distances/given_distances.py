@@ -69,6 +69,7 @@ class GivenDistances(Distance):
     name: ClassVar[str] = "matrix"
     title: ClassVar[str] = "Given distances"
     menu_order: ClassVar[int] = 60
+    of_given_vertices: ClassVar[bool] = True
 
     matrix: str | PathLike[str] | Floats | ArrayInput | None = field(
         default=None, metadata={"parameter": MATRIX}

@@ -43,6 +43,7 @@ class GivenEmbedding(Distance):
     name: ClassVar[str] = "embedding"
     title: ClassVar[str] = "Given embedding"
     menu_order: ClassVar[int] = 70
+    of_given_vertices: ClassVar[bool] = True
 
     embedding: str | PathLike[str] | Floats | ArrayInput | None = field(
         default=None, metadata={"parameter": EMBEDDING}

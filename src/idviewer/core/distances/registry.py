@@ -68,6 +68,9 @@ class Distance(metaclass=CheckedParameters):
         menu_order: place in menus.
         dimensions: of the shapes that it works on.
         spectral: whether it needs eigenpairs.
+        needs_resolution: whether the boundary must be fine enough for the modes that count, because distances
+            between its vertices or along its edges are wrong otherwise.
+        of_given_vertices: whether it has values for the vertices of the shape as it was given, and no others.
     """
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
@@ -76,6 +79,8 @@ class Distance(metaclass=CheckedParameters):
     menu_order: ClassVar[int] = 1000
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     spectral: ClassVar[bool] = False
+    needs_resolution: ClassVar[bool] = False
+    of_given_vertices: ClassVar[bool] = False
 
     def cutoff(self, lambda_2: float) -> float:
         """Largest eigenvalue that matters, given the first non-zero one (spectral distances only)."""

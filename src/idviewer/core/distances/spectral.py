@@ -18,6 +18,7 @@ class Spectral(Distance):
     """
 
     spectral: ClassVar[bool] = True
+    needs_resolution: ClassVar[bool] = True
 
     def cutoff(self, lambda_2: float) -> float:
         """The paper's bound of the eigenvalues, 110.5 lambda_2; source: Rustamov et al. 2009, appendix."""

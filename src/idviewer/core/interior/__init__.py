@@ -1,5 +1,6 @@
 """Interior distance: a boundary's embedding interpolated inside (the paper's equations 1 to 5)."""
 
+from idviewer.core.interior.assembly import boundary_steps
 from idviewer.core.interior.barycentroid import Barycentroid
 from idviewer.core.interior.embedded_points import extent
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
@@ -14,7 +15,8 @@ from idviewer.core.interior.preview import (
 )
 from idviewer.core.interior.preview_solver import preview_solver
 from idviewer.core.interior.single_call import interior_distance
-from idviewer.core.interior.solver import InteriorDistance, solver_steps
+from idviewer.core.interior.solver import InteriorDistance
+from idviewer.core.interior.solver_steps import solver_steps
 
 __all__ = [
     "EIGENPAIRS_STAGE",
@@ -23,6 +25,7 @@ __all__ = [
     "Barycentroid",
     "InteriorDistance",
     "Preview",
+    "boundary_steps",
     "extent",
     "gram_distance",
     "interior_distance",

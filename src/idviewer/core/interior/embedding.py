@@ -16,6 +16,7 @@ from idviewer.core.interior.embedded_points import squares_of
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum, eigenpair_steps
 from idviewer.core.spectrum.laplacian import masses_of
+from idviewer.core.spectrum.resolution import Resolved
 from idviewer.core.steps import finish
 
 
@@ -42,6 +43,7 @@ class EmbeddedBoundary:
         distance: the boundary distance.
         spectrum: eigenpairs computed before, to save computing them again.
         prepared: the basis of a boundary that `shares_basis` with this one.
+        resolved: how the shape came of the one that was given; it is the given one by default.
 
     Raises:
         ValueError: the distance does not work in the shape's dimension.
@@ -61,19 +63,27 @@ class EmbeddedBoundary:
         distance: Distance,
         spectrum: Spectrum | None = None,
         prepared: PreparedBasis | None = None,
+        resolved: Resolved | None = None,
     ) -> None:
         check_dimension(distance, shape)
         self.shape, self.distance = shape, distance
+        self.resolved = Resolved.unrefined(shape) if resolved is None else resolved
         self._spectrum, self._prepared = spectrum, prepared
 
     @property
     def full_shape(self) -> Shape:
-        """The shape that is shown; a preview computes on a simpler one."""
+        """The shape that is shown; what is computed on may be finer, or in a preview simpler."""
+        return self.resolved.given
+
+    @property
+    def section_shape(self) -> Shape:
+        """The shape that sections are cut from, whose edges `rows_between` knows."""
         return self.shape
 
     def with_distance(self, distance: Distance) -> EmbeddedBoundary:
         """The same boundary with another distance, with the same basis where both have it in common."""
-        return EmbeddedBoundary(self.shape, distance, self._spectrum, self._prepared_for(distance))
+        prepared = self._prepared_for(distance)
+        return EmbeddedBoundary(self.shape, distance, self._spectrum, prepared, self.resolved)
 
     def shares_basis(self, distance: Distance) -> bool:
         """Whether samples of the basis serve another distance too."""
@@ -97,7 +107,8 @@ class EmbeddedBoundary:
         if self._prepared is not None:
             return
         if self._spectrum is None and self.distance.spectral:
-            self._spectrum = yield from eigenpair_steps(self.shape, self.distance.cutoff)
+            estimate = self.resolved.lambda_2
+            self._spectrum = yield from eigenpair_steps(self.shape, self.distance.cutoff, estimate)
         basis = yield from self.distance.basis_steps(self.shape, self._spectrum)
         basis.columns.setflags(write=False)
         mean = (self.masses @ basis.columns) / self.masses.sum()
@@ -149,7 +160,7 @@ class EmbeddedBoundary:
         """The basis at points of the boundary's edges, (q, k).
 
         Args:
-            ends: (q, 2) vertices of the full shape.
+            ends: (q, 2) vertices of the section shape.
             shares: (q, 2) of each end.
         """
         count = len(self.basis)

@@ -57,6 +57,11 @@ class PreviewBoundary(EmbeddedBoundary):
         """The full mesh."""
         return self._preview.full
 
+    @property
+    def section_shape(self) -> Mesh:
+        """The full mesh."""
+        return self._preview.full
+
     def with_distance(self, distance: Distance) -> PreviewBoundary:
         """The same preview with another distance; see `EmbeddedBoundary.with_distance`."""
         return PreviewBoundary(self._preview, distance, self._prepared_for(distance))

@@ -8,10 +8,15 @@ from idviewer.core.arrays import Floats
 from idviewer.core.distances import Distance
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.shapes.shape import ShapeLike
+from idviewer.core.spectrum.resolution import Refine
 
 
 def interior_distance(
-    shape: ShapeLike, p: ArrayLike, q: ArrayLike, distance: Distance | None = None
+    shape: ShapeLike,
+    p: ArrayLike,
+    q: ArrayLike,
+    distance: Distance | None = None,
+    refine: Refine = "auto",
 ) -> Floats:
     """Interior distances of point pairs; for many calls on one shape keep an `InteriorDistance`.
 
@@ -21,6 +26,7 @@ def interior_distance(
         shape: n vertices, in 2 or 3 dimensions, or its arrays (see `idviewer.core.shapes.shape`).
         p, q: (p, dimension) or (1, dimension).
         distance: the boundary distance, the diffusion distance by default.
+        refine: as of `InteriorDistance`.
 
     Returns:
         (p,), NaN where a point is outside the shape.
@@ -33,4 +39,4 @@ def interior_distance(
     >>> interior_distance(hand, hand.vertices[:1], hand.vertices[:1]).tolist()
     [0.0]
     """
-    return InteriorDistance(shape, distance).distance(p, q)
+    return InteriorDistance(shape, distance, refine=refine).distance(p, q)

@@ -11,11 +11,13 @@ from idviewer.core.arrays import Floats
 from idviewer.core.coordinates import Coordinates, coordinates_of
 from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Diffusion, Distance
+from idviewer.core.interior.assembly import part_steps, serves
 from idviewer.core.interior.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.interior.embedding import EmbeddedBoundary
 from idviewer.core.interior.interpolation import BasisInterpolation
-from idviewer.core.shapes.shape import Shape, ShapeLike, as_shape
+from idviewer.core.shapes.shape import Shape, ShapeLike
 from idviewer.core.spectrum.eigen_solver import Spectrum
+from idviewer.core.spectrum.resolution import Refine, Resolved
 from idviewer.core.steps import finish
 
 
@@ -32,10 +34,15 @@ class InteriorDistance:
         coordinates: the name of the barycentric coordinates.
         rtol: largest error of distances between embedded points, as a share of the largest boundary
             distance; 0 is exact, and so are coordinates without an approximation. See docs/treecode.md.
-        spectrum: eigenpairs computed before, to save computing them again.
+        spectrum: eigenpairs computed before, to save computing them again; nothing is refined then.
+        refine: "auto" cuts edges that are too long for the modes that count (see
+            `idviewer.core.spectrum.resolution`), without moving the boundary; "no" leaves it as it is; or the
+            longest edge allowed; or what `boundary_steps` made of the shape, with the spectrum of that.
+            Euclidean and given distances need none of it.
 
     Attributes:
-        boundary: the embedded vertices, with .distance, .basis (n, k), .scale (k,), .embedding (n, k).
+        boundary: the embedded vertices, with .distance, .basis (n, k), .scale (k,), .embedding (n, k), and
+            .full_shape, the shape that was given.
         interpolation: of the basis inside, with steps for work that is to be interrupted.
 
     Raises:
@@ -59,17 +66,19 @@ class InteriorDistance:
         coordinates: str = "mean_value",
         rtol: float = 0.0,
         spectrum: Spectrum | None = None,
+        refine: Refine | Resolved = "auto",
     ) -> None:
-        shape = as_shape(shape)
-        boundary = EmbeddedBoundary(shape, Diffusion() if distance is None else distance, spectrum)
-        self.boundary: EmbeddedBoundary = boundary
-        self.interpolation = BasisInterpolation(boundary, coordinates_of(shape, coordinates), rtol)
-        if boundary.form is None:
-            finish(boundary.prepare_steps())
+        distance = Diffusion() if distance is None else distance
+        parts = finish(part_steps(shape, distance, coordinates, rtol, spectrum, refine))
+        self.boundary: EmbeddedBoundary
+        self.interpolation: BasisInterpolation
+        self.boundary, self.interpolation = parts
+        if self.boundary.form is None:
+            finish(self.boundary.prepare_steps())
 
     @property
     def shape(self) -> Shape:
-        """The shape whose interior it is; a preview's is simplified.
+        """The shape that is computed on: the given one, refined where need be; a preview's is simplified.
 
         >>> from idviewer.core import Euclidean, Polygon
         >>> InteriorDistance(Polygon([[0, 0], [4, 0], [4, 4], [0, 4]]), Euclidean()).shape.dimension
@@ -126,7 +135,11 @@ class InteriorDistance:
         >>> solver.with_distance(Biharmonic()).boundary.basis is solver.boundary.basis
         True
         """
-        boundary = self.boundary.with_distance(distance)
+        old = self.boundary
+        if not serves(old, distance):
+            name, rtol = self.coordinates.name, self.interpolation.rtol
+            return InteriorDistance(old.full_shape, distance, name, rtol, refine=old.resolved.option)
+        boundary = old.with_distance(distance)
         if boundary.form is None:
             finish(boundary.prepare_steps())
         _ = boundary.scale  # refuses parameters that do not fit the eigenpairs
@@ -267,29 +280,6 @@ class InteriorDistance:
         # Others may find no weights at a point inside.
         mean_value = own if isinstance(own, MeanValueCoordinates) else MeanValueCoordinates(self.shape)
         return np.isfinite(finish(mean_value.interpolate_steps(points, ones))[:, 0])
-
-
-def solver_steps(
-    shape: ShapeLike, distance: Distance, coordinates: str = "mean_value", spectrum: Spectrum | None = None
-) -> Generator[float | None, None, InteriorDistance]:
-    """Make an exact `InteriorDistance`; yields the share done, or None, every few milliseconds.
-
-    Args:
-        shape, distance, coordinates, spectrum: as there.
-
-    Raises:
-        ValueError, ShapeError: as there.
-
-    >>> from idviewer.core import Euclidean, Polygon
-    >>> square = Polygon([[0, 0], [4, 0], [4, 4], [0, 4]])
-    >>> finish(solver_steps(square, Euclidean())).distance([[1, 1]], [[3, 1]]).round(12).tolist()
-    [2.0]
-    """
-    shape = as_shape(shape)
-    boundary = EmbeddedBoundary(shape, distance, spectrum)
-    interpolation = BasisInterpolation(boundary, coordinates_of(shape, coordinates))
-    yield from boundary.prepare_steps()
-    return solver_of_parts(boundary, interpolation)
 
 
 def solver_of_parts(boundary: EmbeddedBoundary, interpolation: BasisInterpolation) -> InteriorDistance:

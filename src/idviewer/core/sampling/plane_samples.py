@@ -70,7 +70,7 @@ class PlaneSamples:
     def __init__(self, sampler: Sampler, plane: Plane, finest: int) -> None:
         self._sampler = sampler
         self._settings = sampler.settings
-        self.section, self._spacing = _section(sampler.solver.boundary.full_shape, plane, self._settings)
+        self.section, self._spacing = _section(sampler.solver.boundary.section_shape, plane, self._settings)
         shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
         self._outline_rows = sampler.solver.boundary.rows_between(self.section.edges, shares)
         self._lattices = next(

@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from idviewer.core.arrays import Bools, Floats, Ints
+from idviewer.core.shapes.face_cuts import EdgesOfFaces, cut_faces
 
 
 @dataclass(frozen=True)
@@ -96,35 +97,6 @@ def refined_count(vertices: Floats, faces: Ints, edge_length: float) -> float:
     return _Surface(vertices, faces).count(edge_length)
 
 
-@dataclass(frozen=True)
-class _Edges:
-    """Edges between two faces each.
-
-    Attributes:
-        faces: (e, 2) the faces beside each.
-        corners: (e, 2) the corner of each that lies opposite.
-        ends: (e, 2) vertices, in the order in which the first face goes round.
-        opposite: (e, 2) vertices.
-    """
-
-    faces: Ints
-    corners: Ints
-    ends: Ints
-    opposite: Ints
-
-    @classmethod
-    def of(cls, faces: Ints, count: int) -> _Edges:
-        """Those of faces (m, 3) of count vertices; an edge that only one of them has is left out."""
-        tails, heads = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
-        keys = np.minimum(tails, heads) * count + np.maximum(tails, heads)
-        order = np.argsort(keys, kind="stable")
-        same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
-        halves = np.stack([order[same], order[same + 1]], axis=1)
-        beside, corners = np.divmod(halves, 3)
-        ends = np.stack([tails[halves[:, 0]], heads[halves[:, 0]]], axis=1)
-        return cls(beside, corners, ends, faces[beside, corners])
-
-
 class _Surface:
     """A closed surface while it is being refined.
 
@@ -136,7 +108,7 @@ class _Surface:
     def __init__(self, vertices: Floats, faces: Ints) -> None:
         self.vertices, self.faces = vertices, faces
         self._flatness = MESH_REFINEMENT.flatness * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-        edges = _Edges.of(faces, len(vertices))
+        edges = EdgesOfFaces.of(faces, len(vertices))
         joined = edges.faces[self._flat(edges)]
         graph = coo_array((np.ones(len(joined)), joined.T), shape=(len(faces), len(faces)))
         self._parts = connected_components(graph, directed=False)[1]
@@ -144,7 +116,7 @@ class _Surface:
 
     def count(self, edge_length: float) -> float:
         """About how many vertices it will have without edges longer than that."""
-        edges = _Edges.of(self.faces, len(self.vertices))
+        edges = EdgesOfFaces.of(self.faces, len(self.vertices))
         lengths = self._lengths(edges.ends)
         too_long = lengths > edge_length
         cut = np.unique(edges.faces[too_long])
@@ -161,7 +133,7 @@ class _Surface:
     def cut_edges(self, edge_length: float, everything: bool = False) -> None:
         """Cut the edges between flat parts, and in these those of well-shaped triangles, into equal parts."""
         while True:
-            edges = _Edges.of(self.faces, len(self.vertices))
+            edges = EdgesOfFaces.of(self.faces, len(self.vertices))
             lengths = self._lengths(edges.ends)
             ridges = ~self._flat(edges) | (self._parts[edges.faces[:, 0]] != self._parts[edges.faces[:, 1]])
             share = np.where(ridges, MESH_REFINEMENT.ridge_share, 1.0)
@@ -186,7 +158,7 @@ class _Surface:
         Returns:
             Vertices of the faces that are new; none when no edge is left that is too long.
         """
-        edges = _Edges.of(self.faces, len(self.vertices))
+        edges = EdgesOfFaces.of(self.faces, len(self.vertices))
         lengths = self._lengths(edges.ends)
         longest = np.zeros(len(self.faces))
         for side in edges.faces.T:
@@ -213,7 +185,7 @@ class _Surface:
             marked = np.zeros(len(self.vertices), dtype=np.bool_)
             marked[changed] = True
             nearby = np.flatnonzero(marked[self.faces].any(axis=1))
-            edges = _Edges.of(self.faces[nearby], len(self.vertices))
+            edges = EdgesOfFaces.of(self.faces[nearby], len(self.vertices))
             excess = -self._cotangent_sums(edges)
             wanted = np.flatnonzero(excess > MESH_REFINEMENT.delaunay_slack)
             parts = self._parts[nearby[edges.faces[wanted]]]
@@ -231,7 +203,7 @@ class _Surface:
     def _lengths(self, ends: Ints) -> Floats:
         return np.asarray(np.linalg.norm(self.vertices[ends[:, 0]] - self.vertices[ends[:, 1]], axis=1))
 
-    def _flat(self, edges: _Edges, some: Ints | None = None) -> Bools:
+    def _flat(self, edges: EdgesOfFaces, some: Ints | None = None) -> Bools:
         """Whether the faces beside each edge lie in one plane, and not one upon the other."""
         ends, opposite = edges.ends, edges.opposite
         if some is not None:
@@ -243,7 +215,7 @@ class _Surface:
         volume = np.abs(np.einsum("ij,ij->i", left, to_d))
         return (np.einsum("ij,ij->i", left, right) > 0.0) & (volume <= self._flatness * larger)
 
-    def _cotangent_sums(self, edges: _Edges) -> Floats:
+    def _cotangent_sums(self, edges: EdgesOfFaces) -> Floats:
         """Sum of the cotangents opposite each edge; below 0 where it is not Delaunay."""
         total = np.zeros(len(edges.ends))
         for tip in edges.opposite.T:
@@ -253,7 +225,7 @@ class _Surface:
             total += np.einsum("ij,ij->i", to_a, to_b) / np.sqrt(np.einsum("ij,ij->i", across, across))
         return total
 
-    def _split(self, edges: _Edges, cut: Ints, shares: Floats) -> None:
+    def _split(self, edges: EdgesOfFaces, cut: Ints, shares: Floats) -> None:
         """Cut edges, each at a share of the way from one end."""
         low = edges.ends[cut, 0] < edges.ends[cut, 1]  # the same share whichever face came first
         shares = np.where(low, shares, 1.0 - shares)[:, None]
@@ -265,14 +237,14 @@ class _Surface:
         middles = np.full(self.faces.shape, -1)
         for side in range(2):
             middles[edges.faces[cut, side], edges.corners[cut, side]] = added
-        self.faces, parents = _cut_faces(self.vertices, self.faces, middles)
+        self.faces, parents = cut_faces(self.vertices, self.faces, middles)
         self._parts = self._parts[parents]
 
 
 def _apart(points: Floats, faces: Ints, radius: float) -> Ints:
     """Numbers of points of which no two are nearer than a radius, nor in one face; earlier ones go before."""
     free = np.ones(len(points), dtype=np.bool_)
-    taken = set()
+    taken: set[int] = set()
     neighbours = cKDTree(points).query_ball_point(points, radius, return_sorted=False)
     chosen = []
     for number, nearby in enumerate(neighbours):
@@ -292,35 +264,3 @@ def _best_of_faces(faces: Ints, gain: Floats, count: int) -> Bools:
     for side in faces.T:
         np.maximum.at(best, side, rank)
     return (best[faces] == rank[:, None]).all(axis=1)
-
-
-def _cut_faces(vertices: Floats, faces: Ints, middles: Ints) -> tuple[Ints, Ints]:
-    """Faces cut at points of their sides, and the number of the face that each comes from.
-
-    Args:
-        vertices: (n, 3).
-        faces: (m, 3).
-        middles: (m, 3) the vertex inside of the side opposite each corner, -1 where there is none.
-    """
-    there = middles >= 0
-    count = there.sum(axis=1)
-    whole = np.flatnonzero(count == 0)
-    made, parents = [faces[whole]], [whole]
-    for number in (1, 2, 3):
-        chosen = np.flatnonzero(count == number)
-        # The one side that is cut, or that is not, comes to lie opposite the first corner.
-        odd = there[chosen] if number == 1 else ~there[chosen]
-        turn = (np.argmax(odd, axis=1)[:, None] + np.arange(3)) % 3
-        a, b, c = np.take_along_axis(faces[chosen], turn, axis=1).T
-        p, q, r = np.take_along_axis(middles[chosen], turn, axis=1).T
-        if number == 1:
-            parts = [(a, b, p), (a, p, c)]
-        elif number == 3:
-            parts = [(a, r, q), (r, b, p), (q, p, c), (p, q, r)]
-        else:
-            down, up = vertices[r] - vertices[c], vertices[b] - vertices[q]
-            shorter = np.einsum("ij,ij->i", down, down) <= np.einsum("ij,ij->i", up, up)
-            parts = [(a, r, q), (r, b, np.where(shorter, c, q)), (np.where(shorter, r, b), c, q)]
-        made += [np.stack(part, axis=1) for part in parts]
-        parents += [chosen] * len(parts)
-    return np.concatenate(made), np.concatenate(parents)

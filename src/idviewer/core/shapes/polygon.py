@@ -16,19 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, Ints, as_points, frozen
 from idviewer.core.shapes.polygon_bridges import bridges_between, resistances_between
+from idviewer.core.shapes.polygon_region import contained, prepared_region
 from idviewer.core.shapes.polygon_resampling import cut_loops, resampled_loops
 from idviewer.core.validation import polygon_checks as checks
 from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.polygon_checks import PolygonError
-from idviewer.core.validation.polygon_crossings import region_of
 
 __all__ = ["Polygon", "PolygonError"]
-
-MOST_PARTS = 100_000
-"""Of an outline that `Polygon.refined` cuts."""
-
-ON_EDGE_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-"""Points nearer to an edge than this share of the largest coordinate lie on it, as far as floats can tell."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -229,21 +223,15 @@ class Polygon:
         >>> square.refined(1.0) is square
         True
         """
-        if not 0.0 < edge_length < math.inf:
-            raise self._named(PolygonError(f"the longest edge must be a positive number, not {edge_length}"))
-        if self.longest_edge <= edge_length:
+        if 0.0 < self.longest_edge <= edge_length < math.inf:
             return self
-        if self.perimeter > MOST_PARTS * edge_length:
-            raise self._named(
-                PolygonError(
-                    f"with edges of at most {edge_length:.4g} it would have about "
-                    f"{self.perimeter / edge_length:,.0f} vertices, and {MOST_PARTS:,} is the limit; "
-                    "choose longer ones"
-                )
-            )
+        try:
+            arrays = cut_loops(self.vertices, self.loops, self.lengths, edge_length)
+        except PolygonError as error:
+            raise self._named(error) from None
         polygon = object.__new__(Polygon)
         polygon._label(self.name, self.notes, self.unit)
-        polygon._fill(*cut_loops(self.vertices, self.loops, self.lengths, edge_length))
+        polygon._fill(*arrays)
         return polygon
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
@@ -258,23 +246,11 @@ class Polygon:
         >>> Polygon([[0, 0], [1, 0], [0, 1]]).contains([[0.2, 0.2], [0.5, 0.5], [0.6, 0.6]]).tolist()
         [True, True, False]
         """
-        points = as_points(points, 2)
-        inside: NDArray[np.bool_] = shapely.intersects_xy(self._region, points[:, 0], points[:, 1])
-        slack = ON_EDGE_ROUNDING * float(np.abs(self.vertices).max())
-        low, high = self.bounds
-        beside = ~inside & ((points >= low - slack) & (points <= high + slack)).all(axis=1)
-        inside[beside] = shapely.dwithin(self._region, shapely.points(points[beside]), slack)
-        return inside
+        return contained(self._region, self.vertices, as_points(points, 2))
 
     @cached_property
     def _region(self) -> shapely.Polygon:
-        """The polygon as shapely knows it. Its trees are made by the first query, so here: see `contains`."""
-        region = region_of(self.vertices, self.loops)
-        shapely.prepare(region)
-        corner = shapely.points(self.vertices[0])
-        shapely.intersects(region, corner)
-        shapely.dwithin(region, corner, 0.0)
-        return region
+        return prepared_region(self.vertices, self.loops)
 
     @cached_property
     def bounds(self) -> Floats:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.validation.polygon_checks import PolygonError
+
+MOST_PARTS = 100_000
+"""Of an outline whose edges are cut."""
 
 CORNER_TURN = float(np.radians(20.0))
 """Radians: a vertex where the outline turns by more is a corner; smooth outlines turn less."""
@@ -76,10 +80,20 @@ def cut_loops(
     Returns:
         The vertices, those that are new behind the others, and the loops through all of them.
 
+    Raises:
+        PolygonError: it is no positive number, or too small.
+
     >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
     >>> cut_loops(square, (np.arange(4),), np.ones(4), 0.5)[1][0].tolist()
     [0, 4, 1, 5, 2, 6, 3, 7]
     """
+    if not 0.0 < longest < math.inf:
+        raise PolygonError(f"the longest edge must be a positive number, not {longest}")
+    if (count := lengths.sum() / longest) > MOST_PARTS:
+        raise PolygonError(
+            f"with edges of at most {longest:.4g} it would have about {count:,.0f} vertices, "
+            f"and {MOST_PARTS:,} is the limit; choose longer ones"
+        )
     parts = np.maximum(np.ceil(lengths / longest * (1.0 - 1e-9)), 1.0).astype(np.int64)
     made, through, count = [vertices], [], len(vertices)
     for loop in loops:
