@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from idviewer.core.arrays import frozen
 from idviewer.core.errors import ShapeError
 from idviewer.core.shapes.face_boxes import Patches
+from idviewer.core.shapes.labels import Labelled
 from idviewer.core.shapes.mesh_bridges import Bridge, ShellBridges
 from idviewer.core.shapes.mesh_refinement import refined_arrays, refined_count
 from idviewer.core.validation.body_checks import shell_volumes
@@ -70,7 +70,7 @@ class MeshError(ShapeError):
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Mesh:
+class Mesh(Labelled):
     """A closed, two-sided triangle mesh in one piece, wound outward.
 
     A piece may have voids: closed shells inside the outer one, wound so that the solid lies behind their
@@ -148,26 +148,6 @@ class Mesh:
         object.__setattr__(self, "numbering", report.numbering)
         if report.triangle_quality is not None:
             self.__dict__["triangle_quality"] = report.triangle_quality  # of these arrays; it takes a while
-
-    def with_labels(
-        self, name: str | None = None, notes: Sequence[str] | None = None, unit: str | None = None
-    ) -> Mesh:
-        """The same mesh with other labels; what is left out stays.
-
-        Args:
-            name: for titles.
-            notes: one sentence each.
-            unit: of the coordinates.
-
-        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
-        >>> Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).with_labels(unit="mm").unit
-        'mm'
-        """
-        labelled = copy(self)
-        for label, value in (("name", name), ("notes", notes), ("unit", unit)):
-            if value is not None:
-                object.__setattr__(labelled, label, value if isinstance(value, str) else tuple(value))
-        return labelled
 
     def refined(self, edge_length: float) -> Mesh:
         """Cut edges until none is longer than asked; the surface stays where it is.

@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats, Ints, as_points, frozen
+from idviewer.core.shapes.labels import Labelled
 from idviewer.core.shapes.polygon_bridges import bridges_between, resistances_between
 from idviewer.core.shapes.polygon_region import contained, prepared_region
 from idviewer.core.shapes.polygon_resampling import cut_loops, resampled_loops
@@ -26,7 +27,7 @@ __all__ = ["Polygon", "PolygonError"]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Polygon:
+class Polygon(Labelled):
     """A polygon whose outline neither crosses nor touches itself, with holes or without.
 
     The constructor takes copies and checks everything. Polygons compare by identity, and any thread may
@@ -92,27 +93,6 @@ class Polygon:
         object.__setattr__(self, "vertices", frozen(vertices))
         object.__setattr__(self, "loops", tuple(map(frozen, loops)))
         object.__setattr__(self, "numbering", numbering or FileNumbering.unchanged(len(vertices)))
-
-    def with_labels(
-        self, name: str | None = None, notes: Sequence[str] | None = None, unit: str | None = None
-    ) -> Polygon:
-        """The same polygon with other labels; what is left out stays.
-
-        Args:
-            name: for titles.
-            notes: one sentence each.
-            unit: of the coordinates.
-
-        >>> Polygon([[0, 0], [1, 0], [0, 1]]).with_labels(unit="mm").unit
-        'mm'
-        """
-        labelled = copy(self)
-        labelled._label(
-            self.name if name is None else name,
-            self.notes if notes is None else notes,
-            self.unit if unit is None else unit,
-        )
-        return labelled
 
     def with_numbering(self, numbering: FileNumbering) -> Polygon:
         """The same polygon, whose vertices are known to a file by other numbers.
