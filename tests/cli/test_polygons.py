@@ -61,7 +61,7 @@ class TestPolygons:
             (("distance", "--from", "1", "--to", "1,1"), "--from 1: not a point; write two or three numbers"),
             (
                 ("distance", "--source", "0.5,0.5", "--points", "p.csv"),
-                "line 1: '0,0,0' is not two numbers x,y",
+                "line 1: '0,0,0' has 3 columns, not two numbers x,y",
             ),
             (("render", "--plane", "x=0.5"), "--plane x=0.5: a polygon is shown whole; leave the plane out"),
             (("render", "--source", "2,2"), "the source (2, 2) lies outside the polygon"),
@@ -86,7 +86,7 @@ class TestPolygons:
         told = refused(run("distance", body, "--from", "0,0", "--to", INSIDE, *QUICK))
         assert "--from 0,0: not a point of a 3D shape; write three numbers" in told
         told = refused(run("distance", body, "--source", INSIDE, "--points", table("x,y\n0,0\n"), *QUICK))
-        assert "line 1: 'x,y' is not three numbers x,y,z" in told
+        assert "line 2: '0,0' has 2 columns, not three numbers x,y,z" in told
 
     def test_info(self, run: Run, corner: str) -> None:
         answer = run("info", corner)

@@ -130,7 +130,7 @@ FAULTS = {
     "none.npz": "it holds no array",
     "blank.csv": "the file is empty",
     "remarks.csv": "it holds no numbers",
-    "ragged.csv": "line 2: '4 5' has 2 columns, and line 1 has 3",
+    "ragged.csv": "line 2: '4,5' has 2 columns, and line 1 has 3",
     "words.csv": "line 3: 'seven' is not a number",
     "hole.csv": "line 2: '' is not a number",
     "signs.csv": "line 2: '2.5' has a point where other numbers have a decimal comma",

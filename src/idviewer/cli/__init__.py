@@ -15,7 +15,7 @@ from pathlib import Path
 from cyclopts import App, CycloptsError
 
 import idviewer
-from idviewer.cli import commands, distance_options, output, parsing
+from idviewer.cli import commands, distance_options, output, parsing, point_distances
 from idviewer.cli.options import (
     BodyChoice,
     DisplayOptions,
@@ -114,17 +114,19 @@ def distance(
     """
     named = {name for name, value in vars(endpoints).items() if value is not None}
     if named == {"from_", "to"}:
-        answer = commands.distance_of_pair
-    elif named == {"source", "points"}:
-        answer = commands.distances_from_source
+        answer = point_distances.of_pair
+    elif named - {"out"} == {"source", "points"}:
+        answer = point_distances.from_source
     else:
         raise ValueError(
-            "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE.csv "
+            "distance needs --from X,Y,Z and --to X,Y,Z, or else --source X,Y,Z and --points FILE "
             "(X,Y in a polygon)"
         )
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
-    print(answer(endpoints, lambda: parsing.shape_of(shape, reading), chosen, cache, json))
+    point_distances.write(
+        answer(endpoints, lambda: parsing.shape_of(shape, reading), chosen, cache, json), endpoints.out
+    )
 
 
 @app.command

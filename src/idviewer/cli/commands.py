@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import output, parsing
-from idviewer.cli.options import DisplayOptions, Endpoints, PictureQuery
+from idviewer.cli import parsing
+from idviewer.cli.options import DisplayOptions, PictureQuery
 
 if TYPE_CHECKING:
     from idviewer.cli.distance_options import ChosenDistance
-    from idviewer.cli.parsing import Point
     from idviewer.core import InteriorDistance, Shape
     from idviewer.core.spectrum import Resolved
     from idviewer.session import Frame, Pipeline, Query, SpectrumCache
@@ -27,71 +25,7 @@ def cache_of(no_cache: bool) -> SpectrumCache | None:
     return None if no_cache else SpectrumCache.of_user()
 
 
-def distance_of_pair(
-    endpoints: Endpoints,
-    shape: Callable[[], Shape],
-    chosen: ChosenDistance,
-    cache: SpectrumCache | None,
-    json: bool,
-) -> str:
-    """The distance of two points, in words or JSON."""
-    texts = {"--from": endpoints.from_ or "", "--to": endpoints.to or ""}
-    for option, text in texts.items():
-        parsing.point_of(text, option)  # before a large file is read
-    body = shape()
-    points = [parsing.point_of(text, option, body.dimension) for option, text in texts.items()]
-    solver = solver_of(body, chosen, cache)
-    _refuse_outside(solver, points, list(texts))
-    inside, straight = float(solver.distance(points[:1], points[1:])[0]), math.dist(*points)
-    print_remarks(remarks_on_weights(solver))
-    if json:
-        content = {**distance_as_json(solver), "from": points[0], "to": points[1]}
-        return output.as_json({**content, "interior": inside, "euclidean": straight})
-    return f"interior   {inside!r}  ({solver.description})\nEuclidean  {straight!r}"
-
-
-def distances_from_source(
-    endpoints: Endpoints,
-    shape: Callable[[], Shape],
-    chosen: ChosenDistance,
-    cache: SpectrumCache | None,
-    json: bool,
-) -> str:
-    """The distances of many points from one, as a table or JSON."""
-    parsing.source_of(endpoints.source or "")
-    body = shape()
-    source = parsing.source_of(endpoints.source or "", body.dimension)
-    points, lines, header = parsing.points_in(Path(endpoints.points or ""), body.dimension)
-    solver = solver_of(body, chosen, cache)
-    if source is None:
-        source = tuple(solver.barycentroid().point.tolist())
-    places = ["--source", *(f"{endpoints.points}, line {n}" for n in lines)]
-    _refuse_outside(solver, [source, *points], places)
-    distances = solver.field(source, points).tolist()
-    print_remarks(remarks_on_weights(solver))
-    if json:
-        content = {**distance_as_json(solver), "source": source, "points": points}
-        return output.as_json(
-            {**content, "interior": distances, "euclidean": [math.dist(source, p) for p in points]}
-        )
-    rows = [(*point, value) for point, value in zip(points, distances, strict=True)]
-    return output.table((*parsing.AXIS_NAMES[: body.dimension], "distance"), rows, header)
-
-
-def _refuse_outside(solver: InteriorDistance, points: Sequence[Point], places: list[str]) -> None:
-    """An error that says which points are not in the body."""
-    shape = solver.shape
-    outside = [index for index, inside in enumerate(solver.contains(points)) if not inside]
-    if outside:
-        more = f" (and {len(outside) - 1} more)" if len(outside) > 1 else ""
-        point = output.coordinates(points[outside[0]])
-        what = "polygon" if shape.dimension == 2 else "mesh"
-        raise ValueError(
-            f"{places[outside[0]]}: the point {point} lies outside the {what}{more}, {_box(shape)}"
-        )
-
-
-def _box(shape: Shape) -> str:
+def box_in_words(shape: Shape) -> str:
     """The bounding box in words, for those who looked for the body elsewhere."""
     corners = ("(" + ", ".join(f"{value:.4g}" for value in corner) + ")" for corner in shape.bounds)
     return f"whose bounding box is {' to '.join(corners)}"
@@ -184,7 +118,7 @@ def draw_picture(
     frame = frame_of(shape, query, cache)
     for text, section in zip(picture.plane, frame.slices, strict=False):
         if not len(section.points):
-            raise ValueError(f"--plane {text}: the plane misses the body, {_box(shape)}")
+            raise ValueError(f"--plane {text}: the plane misses the body, {box_in_words(shape)}")
     state = State(shape, frame.query, display)
     try:
         write_image(out, state, frame, parsing.size_of(options.size), transparent=options.transparent)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
@@ -92,13 +91,16 @@ class Endpoints:
         from_: One point.
         to: The other point.
         source: The point that many distances are measured from.
-        points: The many: a CSV file with the columns x,y,z, or x,y for a polygon.
+        points: The many: a table with columns x,y,z, or x,y for a polygon, and perhaps others, such as an id;
+            - is standard input.
+        out: A file for the result of --points; - is standard output.
     """
 
     from_: Annotated[PointText, Parameter(name="--from")] = None
     to: PointText = None
     source: Annotated[str | None, SOURCE_OPTION] = None
-    points: Annotated[Path | None, Parameter(metavar="FILE.csv")] = None
+    points: Annotated[str | None, Parameter(metavar="FILE|-", allow_leading_hyphen=True)] = None
+    out: Annotated[str | None, Parameter(metavar="FILE|-", allow_leading_hyphen=True)] = None
 
 
 @Parameter(name="*")

@@ -38,14 +38,19 @@ def coordinates(point: Iterable[float]) -> str:
     return ",".join(repr(float(value)) for value in point)
 
 
-def table(columns: tuple[str, ...], rows: Iterable[Iterable[float]], header: bool) -> str:
-    """CSV lines with every digit of each number.
+def table(heading: Iterable[str], rows: Iterable[Iterable[str | float | None]]) -> str:
+    """CSV lines with every digit of each number; an empty field where there is none.
 
-    >>> table(("x", "distance"), [[1.0, 0.5]], header=True)
-    'x,distance\\n1.0,0.5'
+    >>> table(("id", "x", "distance"), [["A", 1.0, None], ["B", 2.0, 0.5]])
+    'id,x,distance\\nA,1.0,\\nB,2.0,0.5'
     """
+    names = list(heading)
     lines = io.StringIO()
     writer = csv.writer(lines, lineterminator="\n")
-    writer.writerows([columns] if header else [])
-    writer.writerows([[repr(float(value)) for value in row] for row in rows])
+    writer.writerows([names] if names else [])
+    writer.writerows([[_field(value) for value in row] for row in rows])
     return lines.getvalue().rstrip("\n")
+
+
+def _field(value: str | float | None) -> str:
+    return value if isinstance(value, str) else "" if value is None else repr(float(value))

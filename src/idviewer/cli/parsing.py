@@ -5,7 +5,6 @@ Every error is a ValueError or an OSError whose message is the line that the use
 
 from __future__ import annotations
 
-import csv
 import ctypes
 import difflib
 import math
@@ -118,35 +117,6 @@ def size_of(text: str) -> tuple[int, int]:
     if not (1 <= width <= MAX_PICTURE_SIDE_PX and 1 <= height <= MAX_PICTURE_SIDE_PX):
         raise ValueError(f"--size {text}: a picture has 1 to {MAX_PICTURE_SIDE_PX} pixels a side")
     return width, height
-
-
-def points_in(path: Path, dimension: int) -> tuple[list[Point], list[int], bool]:
-    """Points of a CSV file, one column an axis; the line of each; whether a header names the columns."""
-    axes = AXIS_NAMES[:dimension]
-    columns = ",".join(axes)
-    points: list[Point] = []
-    lines: list[int] = []
-    header = False
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = csv.reader(file)
-            for row in rows:
-                point = _numbers(row, dimension)
-                if point is not None:
-                    points.append(point)
-                    lines.append(rows.line_num)
-                elif not points and not header and tuple(cell.strip().lower() for cell in row) == axes:
-                    header = True
-                elif any(cell.strip() for cell in row):
-                    raise ValueError(
-                        f"{path}, line {rows.line_num}: {','.join(row)[:60]!r} is not "
-                        f"{COUNT_WORDS[dimension]} numbers {columns}"
-                    )
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f"{path}: not a CSV file with the columns {columns} ({error})") from error
-    if not points:
-        raise ValueError(f"{path}: there are no points in it; write one {columns} a line")
-    return points, lines, header
 
 
 def _numbers(cells: list[str], count: int) -> Point | None:

@@ -5,6 +5,7 @@ from idviewer.core.interior.barycentroid import Barycentroid
 from idviewer.core.interior.embedded_points import extent
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.interpolation import ERROR_SHARE_OF_AN_END
+from idviewer.core.interior.point_placement import Placement, place_points
 from idviewer.core.interior.preview import (
     EIGENPAIRS_STAGE,
     SIMPLIFYING_STAGE,
@@ -24,6 +25,7 @@ __all__ = [
     "SIMPLIFYING_STAGE",
     "Barycentroid",
     "InteriorDistance",
+    "Placement",
     "Preview",
     "boundary_steps",
     "extent",
@@ -31,6 +33,7 @@ __all__ = [
     "interior_distance",
     "is_worth_previewing",
     "pairwise_distance",
+    "place_points",
     "preview_cutoff",
     "preview_solver",
     "preview_steps",

@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from idviewer.core.arrays import Floats
 from idviewer.core.coordinates import Coordinates, coordinates_of
-from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Diffusion, Distance
 from idviewer.core.interior.assembly import part_steps, serves
 from idviewer.core.interior.barycentroid import Barycentroid, Evaluate, barycentroid_steps
 from idviewer.core.interior.embedding import EmbeddedBoundary
 from idviewer.core.interior.interpolation import BasisInterpolation
+from idviewer.core.interior.point_placement import evaluate_placed, place_points
 from idviewer.core.shapes.shape import Shape, ShapeLike
 from idviewer.core.spectrum.eigen_solver import Spectrum
 from idviewer.core.spectrum.resolution import Refine, Resolved
@@ -176,7 +176,8 @@ class InteriorDistance:
         >>> solver.embed([[1, 2], [5, 5]]).round(12).tolist()
         [[-1.0, 0.0], [nan, nan]]
         """
-        return finish(self.interpolation.sample_steps(points)) * self.boundary.scale
+        samples = evaluate_placed(self.coordinates, self.interpolation.sample_steps, points)
+        return samples * self.boundary.scale
 
     def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
         """Interior distance by eq. 1, |p* - q*|; where the distance knows a way past p*, by that.
@@ -195,7 +196,7 @@ class InteriorDistance:
         >>> solver.distance([[2, 2]], [[2, 2], [5, 5]]).tolist()
         [0.0, nan]
         """
-        return finish(self.interpolation.distance_steps(p, q))
+        return evaluate_placed(self.coordinates, self.interpolation.distance_steps, p, q)
 
     def field(self, source: ArrayLike, points: ArrayLike) -> Floats:
         """Distances from one source to many points.
@@ -237,7 +238,7 @@ class InteriorDistance:
         >>> solver.potential([[2, 2], [2, 3]]).round(12).tolist()
         [0.0, 1.0]
         """
-        return finish(self.interpolation.potential_steps(points))
+        return evaluate_placed(self.coordinates, self.interpolation.potential_steps, points)
 
     def barycentroid(self) -> Barycentroid:
         """The point inside where the potential is smallest; see `idviewer.core.interior.barycentroid`.
@@ -266,7 +267,7 @@ class InteriorDistance:
         return barycentroid_steps(self.shape, potential, radius, surrogate)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Tell which of points (p, dimension) lie inside the shape or on its boundary, (p,).
+        """Tell which of points (p, dimension) lie inside the shape or on its boundary (1e-5 diagonals), (p,).
 
         Raises:
             ValueError: the points have another dimension.
@@ -276,10 +277,10 @@ class InteriorDistance:
         >>> solver.contains([[1, 1], [4, 1], [5, 1]]).tolist()
         [True, True, False]
         """
-        ones, own = np.ones((len(self.shape.vertices), 1)), self.coordinates
-        # Others may find no weights at a point inside.
-        mean_value = own if isinstance(own, MeanValueCoordinates) else MeanValueCoordinates(self.shape)
-        return np.isfinite(finish(mean_value.interpolate_steps(points, ones))[:, 0])
+        placed = place_points(self.coordinates, points)
+        contained = np.ones(len(placed.points), dtype=bool)
+        contained[placed.outside] = False
+        return contained
 
 
 def solver_of_parts(boundary: EmbeddedBoundary, interpolation: BasisInterpolation) -> InteriorDistance:

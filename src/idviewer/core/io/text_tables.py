@@ -51,6 +51,10 @@ class TextTable:
         """How many columns there are."""
         return len(self.rows[0]) if self.rows else len(self.heading)
 
+    def shown(self, row: list[str]) -> str:
+        """A row as it is written, cut where it is long, for messages."""
+        return ascii(self.separator.join(row)[:60])
+
     def number(self, cell: str) -> float | None:
         """The number that a cell holds, perhaps not finite; None if it holds none.
 
@@ -130,14 +134,15 @@ def table_of(text: str) -> TextTable:
     )
     table = TextTable(rows, numbers, [], decimal_comma, separator)
     heading = _heading(table, lines[0][1], remark)
-    if heading and table.rows and heading[1]:
+    if heading and heading[1]:
         rows, numbers = rows[1:], numbers[1:]
     names = heading[0] if heading else []
     rows, names = _without_empty_end(rows, names)
-    _check_widths(rows, numbers)
+    whole = TextTable(rows, numbers, names, decimal_comma, separator)
+    _check_widths(whole)
     if decimal_comma:
         _check_decimal_signs(rows, numbers)
-    return TextTable(rows, numbers, names, decimal_comma, separator)
+    return whole
 
 
 def _lines(text: str) -> tuple[list[tuple[int, str]], str, str]:
@@ -181,9 +186,11 @@ def _cells(line: str, separator: str) -> list[str]:
 
 def _heading(table: TextTable, first: str, remark: str) -> tuple[list[str], bool] | None:
     """The names of columns, and whether they are the first row; None where there are none."""
-    row = table.rows[0]
-    if not any(table.number(cell) is not None for cell in row) and len(table.rows) > 1:
-        width = len(table.rows[1])
+    row, others = table.rows[0], table.rows[1:]
+    if _counts_columns(row, others):
+        return row, True
+    if not any(table.number(cell) is not None for cell in row):
+        width = len(others[0]) if others else len(row)
         splits = [row, *(_cells(first, mark) for mark in ",;\t ")]
         return next((cells for cells in splits if len(cells) == width), row), True
     names = [_cells(remark, mark) for mark in (table.separator, ",", ";", "\t", " ")] if remark else []
@@ -191,6 +198,14 @@ def _heading(table: TextTable, first: str, remark: str) -> tuple[list[str], bool
         if len(cells) == len(row) and not any(NUMBER.fullmatch(cell) for cell in cells):
             return cells, False
     return None
+
+
+def _counts_columns(row: list[str], others: list[list[str]]) -> bool:
+    """Whether a first row numbers the columns, as pandas does: beside a blank, or above broken numbers."""
+    first = 1 if row[0] == "" else 0
+    counts = len(row) > 1 and row[first:] == [str(column) for column in range(len(row) - first)]
+    broken = bool(others) and all(any(mark in cell for cell in other for mark in ".,") for other in others)
+    return counts and (first == 1 or broken)
 
 
 def _without_empty_end(rows: list[list[str]], names: list[str]) -> tuple[list[list[str]], list[str]]:
@@ -203,12 +218,12 @@ def _without_empty_end(rows: list[list[str]], names: list[str]) -> tuple[list[li
     return rows, names
 
 
-def _check_widths(rows: list[list[str]], lines: list[int]) -> None:
-    for row, line in zip(rows, lines, strict=True):
-        if len(row) != len(rows[0]):
+def _check_widths(table: TextTable) -> None:
+    for row, line in zip(table.rows, table.lines, strict=True):
+        if len(row) != table.width:
             raise UnreadableError(
-                f"line {line}: {_shown(row)} has {len(row)} {'column' if len(row) == 1 else 'columns'}, "
-                f"and line {lines[0]} has {len(rows[0])}"
+                f"line {line}: {table.shown(row)} has {len(row)} {'column' if len(row) == 1 else 'columns'}, "
+                f"and line {table.lines[0]} has {table.width}"
             )
 
 
@@ -220,7 +235,3 @@ def _check_decimal_signs(rows: list[list[str]], lines: list[int]) -> None:
                     f"line {line}: {cell!r} has a point where other numbers have a decimal comma; "
                     "write all with points, and no mark for thousands"
                 )
-
-
-def _shown(row: list[str]) -> str:
-    return ascii(" ".join(row)[:40])

@@ -8,8 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from idviewer.core.arrays import Floats
+from idviewer.core.arrays import Floats, in_space
 from idviewer.core.coordinates import Coordinates
+from idviewer.core.interior.point_placement import place_points
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.point_norms import MaxNorm
@@ -119,6 +120,10 @@ class BasisSamples:
         shape, coordinates = self.solver.shape, self.solver.coordinates
         before = coordinates.unconverged
         row = finish(self.sampler.sample_steps(np.array([point]), rtol))[0]
+        if not np.isfinite(row).all():
+            placed = place_points(coordinates, [point[: shape.dimension]])
+            if len(placed.moved):  # hardly outside, and so on the surface
+                row = finish(self.sampler.sample_steps(in_space(placed.points), rtol))[0]
         if np.isfinite(row).all():
             return row
         place = ", ".join(f"{value:.6g}" for value in point[: shape.dimension])
