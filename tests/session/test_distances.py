@@ -93,6 +93,8 @@ def test_a_half_made_basis_goes_on_where_a_newer_query_left_it(pipeline):
         (GivenDistances(np.ones((3, 3))), "its shape is (3, 3)"),
         (GivenEmbedding("nowhere.npy"), "nowhere.npy"),
         (SpectralFilter("lambda - 100"), "is -"),
+        (SpectralFilter("1e-200 / lambda"), "is too small"),
+        (Diffusion(time=1e300), "the diffusion time 1e+300 is too long for this shape"),
     ],
 )
 def test_failures_are_told_and_what_was_there_stays(pipeline, distance, part):

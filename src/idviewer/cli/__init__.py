@@ -147,6 +147,7 @@ def barycentroid(
     chosen = distance_options.chosen_distance(options)
     solver = commands.solver_of(parsing.shape_of(shape, reading), chosen, commands.cache_of(reading.no_cache))
     found = solver.barycentroid()
+    commands.print_remarks(commands.remarks_on_barycentroid(solver))
     commands.print_remarks(commands.remarks_on_weights(solver))
     if json:
         content = {**commands.distance_as_json(solver), "point": found.point, "potential": found.potential}

@@ -58,6 +58,12 @@ def remarks_on_weights(solver: InteriorDistance) -> tuple[str, ...]:
     return remarks_on(solver.coordinates)
 
 
+def remarks_on_barycentroid(solver: InteriorDistance) -> list[str]:
+    """Remarks on how accurate a solver's barycentroid is."""
+    remark = solver.boundary.barycentroid_remark
+    return [remark] if remark else []
+
+
 def print_remarks(remarks: Sequence[str]) -> None:
     """Print one line each on standard error."""
     for remark in remarks:

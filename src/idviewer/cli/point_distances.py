@@ -78,6 +78,7 @@ def from_source(
     solver = commands.solver_of(body, chosen, cache)
     if source is None:
         source = tuple(solver.barycentroid().point.tolist())
+        commands.print_remarks(commands.remarks_on_barycentroid(solver))
         begin = source
     else:
         begin = placed_point(solver, WrittenPoint("--source", text, source))

@@ -83,6 +83,12 @@ class FrameBuilder:
         return self._query.source is None or self._query.quantity == "potential"
 
     @property
+    def _remarks(self) -> tuple[str, ...]:
+        """Remarks on the barycentroid, where values depend on it."""
+        remark = self.solver.boundary.barycentroid_remark if self._shows_barycentroid else ""
+        return (remark,) if remark else ()
+
+    @property
     def _has_exact_points(self) -> bool:
         """Whether the points that the values depend on need no sampling that takes time."""
         return all(self._samples.is_exact(point) for point in self._points_needed())
@@ -128,7 +134,7 @@ class FrameBuilder:
             title=f"Potential U ({self._description})" if potential else self._description,
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
             modes=0 if spectrum is None else len(spectrum.values),
-            remarks=self._samples.remarks,
+            remarks=(*self._samples.remarks, *self._remarks),
         )
         return _frozen(frame if self._context.preview is None else self._as_preview(frame))
 

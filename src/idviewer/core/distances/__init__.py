@@ -14,6 +14,7 @@ from idviewer.core.distances.geodesic import Geodesic
 from idviewer.core.distances.given_distances import GivenDistances
 from idviewer.core.distances.given_embedding import GivenEmbedding
 from idviewer.core.distances.gps import GPS
+from idviewer.core.distances.parameter_values import missing_parameters, parameter_values, with_defaults
 from idviewer.core.distances.parameters import Choice, Extra, File, Formula, Integer, Number, Parameter
 from idviewer.core.distances.registry import (
     DISTANCES,
@@ -22,11 +23,8 @@ from idviewer.core.distances.registry import (
     QuadraticForm,
     check_dimension,
     distance_from,
-    missing_parameters,
-    parameter_values,
     parameters_of,
     register_distance,
-    with_defaults,
 )
 from idviewer.core.distances.spectral import Spectral, percentage
 from idviewer.core.distances.spectral_filter import SpectralFilter

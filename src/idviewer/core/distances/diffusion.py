@@ -16,6 +16,9 @@ from idviewer.core.spectrum.eigen_solver import SMALLEST_KEPT, Spectrum, paper_c
 
 TIME = Number("Time", "how long heat flows, in the shape's unit squared", "t", paper_time, (1 / 8, 64.0))
 
+SMALLEST_WEIGHT = 1e-120
+"""Of the first mode: below, squares of distances leave the range of floats."""
+
 
 @register_distance
 @dataclass(frozen=True)
@@ -62,6 +65,18 @@ class Diffusion(Spectral):
         (0.0625, 3.0)
         """
         return paper_time(lambda_2) if self.time is None else self.time
+
+    def range_remedy(self, spectrum: Spectrum | None, largest: float) -> str:
+        """The time after which even the first mode weighs too little.
+
+        Args:
+            spectrum: of the shape, where the distance is spectral.
+            largest: of the distances.
+        """
+        longest = -math.log(SMALLEST_WEIGHT) / float(require_spectrum(spectrum).values[0])
+        return (
+            f"the diffusion time {self.time:.3g} is too long for this shape; choose one below {longest:.3g}"
+        )
 
     def describe(self, spectrum: Spectrum | None) -> str:
         """Title and time, such as "Diffusion distance, t = 0.0123"; says so where it asks for more modes."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from abc import ABCMeta
 from collections.abc import Generator, Hashable, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
 from idviewer.core.arrays import Floats
-from idviewer.core.distances.parameters import Number, Parameter
+from idviewer.core.distances.parameters import Parameter
 from idviewer.core.errors import DistanceError
 from idviewer.core.shapes.shape import Shape
 from idviewer.core.spectrum.eigen_solver import Spectrum
@@ -124,6 +124,15 @@ class Distance(metaclass=CheckedParameters):
         """Name and parameters in words, for a scale bar."""
         return self.title
 
+    def range_remedy(self, spectrum: Spectrum | None, largest: float) -> str:
+        """Advice where distances leave the range of floats, as the end of a sentence.
+
+        Args:
+            spectrum: of the shape, where the distance is spectral.
+            largest: of the distances.
+        """
+        return "scale the shape to another unit"
+
     def form(self, shape: Shape) -> QuadraticForm | None:
         """The quadratic form, where there is one; pairs and fields of points then need no embedding."""
         return None
@@ -229,57 +238,6 @@ def check_parameters(distance: Distance) -> None:
             subject = field.name if field.name == distance.name else f"{distance.name} {field.name}"
             raise ValueError(f"the {subject} {error}") from None
         object.__setattr__(distance, field.name, checked)
-
-
-def missing_parameters(distance: Distance) -> list[str]:
-    """The parameters without which the distance can do nothing, and which are not given.
-
-    >>> from idviewer.core.distances import Diffusion, GivenDistances
-    >>> missing_parameters(Diffusion()), missing_parameters(GivenDistances())
-    ([], ['matrix'])
-    """
-    return [
-        name
-        for name, one in parameters_of(distance).items()
-        if one.required and getattr(distance, name) is None
-    ]
-
-
-def parameter_values(distance: Distance, lambda_2: float | None) -> dict[str, Any]:
-    """The distance's parameters, defaults worked out, by the name of the field.
-
-    Args:
-        distance: of any kind.
-        lambda_2: the first non-zero eigenvalue, from which defaults are; None where it is not known.
-
-    Returns:
-        Numbers and texts, None where a default is not known.
-
-    >>> from idviewer.core.distances import GPS, Diffusion
-    >>> parameter_values(Diffusion(), 2.0), parameter_values(Diffusion(time=1.0), 2.0)
-    ({'time': 0.0625}, {'time': 1.0})
-    >>> parameter_values(GPS(), 2.0)
-    {}
-    """
-    values = {}
-    for name, parameter in parameters_of(distance).items():
-        value = getattr(distance, name)
-        if value is None and isinstance(parameter, Number) and lambda_2 is not None:
-            value = parameter.default(lambda_2)
-        values[name] = value if value is None or isinstance(value, int | float | str) else str(value)
-    return values
-
-
-def with_defaults(distance: Distance) -> Distance:
-    """The same kind of distance for another shape: what means nothing there is left to its default.
-
-    >>> from idviewer.core.distances import Diffusion
-    >>> with_defaults(Diffusion(time=2.0))
-    Diffusion(time=None)
-    """
-    return replace(
-        distance, **{name: None for name, one in parameters_of(distance).items() if one.shape_specific}
-    )
 
 
 def distance_from(name: str, values: Mapping[str, Any]) -> Distance:

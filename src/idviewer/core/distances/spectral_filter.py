@@ -92,6 +92,16 @@ exp, log, sqrt, brackets, lambda (or x) and lambda_2
             return f"the filter {self.filter}"
         return f"the filter {getattr(self.filter, '__name__', self.filter)}"
 
+    def range_remedy(self, spectrum: Spectrum | None, largest: float) -> str:
+        """Advice to write another factor before the filter.
+
+        Args:
+            spectrum: of the shape, where the distance is spectral.
+            largest: of the distances.
+        """
+        size = "small" if largest < 1.0 else "large"
+        return f"{self._subject} is too {size}; a factor before it changes the unit of distances alone"
+
     def describe(self, spectrum: Spectrum | None) -> str:
         """Title, filter and number of modes; and how much the first mode left out weighs."""
         known = require_spectrum(spectrum)

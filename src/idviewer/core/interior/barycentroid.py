@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
 
@@ -107,13 +107,27 @@ def barycentroid_steps(
     if not inside.any():
         kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
         raise error(f"no point inside the {kind} was found; is it thinner than its coordinates' rounding?")
+    exponent = int(np.frexp(values[inside].max())[1])
+    potential = _scaled(potential, exponent)
+    surrogate = None if surrogate is None else _scaled(surrogate, exponent)
+    values = np.ldexp(values, -exponent)
     paths = [point[None] for point in _lowest_apart(samples[inside], values[inside], 0.1 * shape.diagonal)]
     radius = SEARCH.start_radius * shape.diagonal
     if surrogate is not None:
         led = yield from _descents(surrogate, paths, radius, SEARCH.surrogate_radius * shape.diagonal)
         if led[0].potential > SEARCH.surrogate_contrast * values[inside].max():
             paths, radius = [end.path for end in led], SEARCH.surrogate_radius * shape.diagonal
-    return (yield from _descents(potential, paths, radius, last_radius * shape.diagonal))[0]
+    best = (yield from _descents(potential, paths, radius, last_radius * shape.diagonal))[0]
+    return replace(best, potential=float(np.ldexp(best.potential, exponent)))
+
+
+def _scaled(evaluate: Evaluate, exponent: int) -> Evaluate:
+    """Values divided by a power of two, which is exact: fourth powers of them then stay floats."""
+
+    def steps(points: Floats) -> Generator[float | None, None, Floats]:
+        return np.ldexp((yield from evaluate(points)), -exponent)
+
+    return steps
 
 
 def interior_samples(shape: Shape) -> Floats:

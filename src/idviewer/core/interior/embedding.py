@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.distances import Distance, QuadraticForm, check_dimension
+from idviewer.core.distances.value_range import check_range
 from idviewer.core.interior.barycentroid import SEARCH
 from idviewer.core.interior.embedded_points import squares_of
 from idviewer.core.shapes.shape import Shape
@@ -33,6 +34,11 @@ class PreparedBasis:
     columns: Floats
     mean: Floats
     remark: str
+
+    @cached_property
+    def reach(self) -> Floats:
+        """Largest absolute entry of each column, (k,)."""
+        return np.maximum(self.columns.max(axis=0), -self.columns.min(axis=0))
 
 
 class EmbeddedBoundary:
@@ -136,10 +142,34 @@ class EmbeddedBoundary:
 
     @cached_property
     def scale(self) -> Floats:
-        """Factors (k,) of the columns of the basis, or (1,) for all of them."""
+        """Factors (k,) of the columns of the basis, or (1,) for all of them.
+
+        Raises:
+            DistanceError: distances leave the range of floats, or the distance does not fit the eigenpairs.
+        """
         if self.distance.spectral:
             finish(self.prepare_steps())
-        return self.distance.scale(self._spectrum)
+        scale = self.distance.scale(self._spectrum)
+        if self._prepared is not None:
+            check_range(self.distance, scale, self._prepared.reach, self._spectrum)
+        return scale
+
+    @property
+    def barycentroid_remark(self) -> str:
+        """A sentence where too few modes count for the barycentroid to be found accurately; else empty.
+
+        U^2 is then a valley too flat along to search: see `SearchSettings.least_curvature`.
+        """
+        if not self.distance.spectral:
+            return ""
+        weights = np.sort(np.abs(self.scale) * self._basis().reach)[::-1]
+        counting = int(np.count_nonzero(weights > np.sqrt(SEARCH.least_curvature) * weights[0]))
+        if counting >= self.shape.dimension:
+            return ""
+        modes = "mode counts" if counting == 1 else "modes count"
+        return (
+            f"Only {counting} {modes} with these parameters, so the barycentroid is not determined accurately"
+        )
 
     @property
     def embedding(self) -> Floats:

@@ -178,7 +178,8 @@ class _Weyl:
 
 def _too_many(shape: Shape, expected: float) -> ShapeError:
     kind, error = ("polygon", PolygonError) if shape.dimension == 2 else ("mesh", MeshError)
+    count = f"about {expected:.0f}" if expected < 1e9 else "billions of"
     return error(
-        f"the distance asks for about {expected:.0f} modes, more than a {kind} of {len(shape.vertices)} "
+        f"the distance asks for {count} modes, more than a {kind} of {len(shape.vertices)} "
         f"vertices can carry; choose a longer diffusion time or a finer {kind}"
     )
