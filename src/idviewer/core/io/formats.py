@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from idviewer.core.arrays import Floats
+from idviewer.core.io.abaqus import read_abaqus
 from idviewer.core.io.contents import Contents, FileSource
 from idviewer.core.io.gltf import read_glb, read_gltf
+from idviewer.core.io.library_readers import read_freesurfer, read_gifti, read_gmsh
 from idviewer.core.io.obj import read_obj
 from idviewer.core.io.off import read_off
 from idviewer.core.io.ply import read_ply
@@ -34,6 +36,7 @@ class FileFormat:
         read: see `Reader`; None if that is left to another package.
         hint: how to get the reader, for messages, where there is none.
         holds_parts: whether a file may hold several shapes, of which the reader takes a chosen one.
+        usual: whether messages offer to save a shape as such a file.
     """
 
     suffix: str
@@ -42,6 +45,7 @@ class FileFormat:
     read: Reader | None
     hint: str = ""
     holds_parts: bool = False
+    usual: bool = True
 
     def contents(self, source: FileSource) -> Contents[Any]:
         """Read a file.
@@ -71,6 +75,13 @@ def _read_3mf(source: FileSource) -> Contents[PolygonSoup]:
     return read_3mf(source)
 
 
+_OF_FREESURFER = (
+    *(".pial", ".white", ".orig", ".smoothwm", ".inflated", ".sphere", ".midthickness", ".graymid"),
+    *(".pial.t1", ".pial.t2", ".white.preaparc", ".white.h", ".white.k", ".sphere.reg"),
+    *(".orig.nofix", ".orig.premesh", ".inflated.nofix", ".smoothwm.nofix", ".qsphere.nofix"),
+)
+"""What follows lh. and rh. in the names of surfaces."""
+
 _FROM_VTK = "call idviewer.view.vtk_files.register_vtk_reader, which needs VTK"
 _FORMATS = {
     one.suffix: one
@@ -82,6 +93,10 @@ _FORMATS = {
         FileFormat(".glb", "GLB", 3, read_glb, holds_parts=True),
         FileFormat(".gltf", "glTF", 3, read_gltf, holds_parts=True),
         FileFormat(".3mf", "3MF", 3, _read_3mf, holds_parts=True),
+        FileFormat(".msh", "Gmsh", 3, read_gmsh, usual=False),
+        FileFormat(".inp", "Abaqus", 3, read_abaqus, holds_parts=True, usual=False),
+        FileFormat(".gii", "GIFTI", 3, read_gifti, holds_parts=True, usual=False),
+        *(FileFormat(suffix, "FreeSurfer", 3, read_freesurfer, usual=False) for suffix in _OF_FREESURFER),
         FileFormat(".vtp", "VTP", 3, None, _FROM_VTK),
         FileFormat(".vtu", "VTU", 3, None, _FROM_VTK),
         FileFormat(".vtk", "VTK", 3, None, _FROM_VTK),
@@ -163,7 +178,8 @@ def why_unreadable(path: Path, dimension: int | None = None) -> str:
         problem = f"the reader of '{suffix}' files is missing ({known.hint})"
     else:
         problem = f"'{one_line(suffix)}' files {'hold no polygon' if dimension == 2 else 'cannot be read'}"
-    return f"{problem}; save it as one of {', '.join(suffixes)}"
+    usual = [one for one in suffixes if _FORMATS[one].usual]
+    return f"{problem}; save it as one of {', '.join(usual)}"
 
 
 def one_line(thing: object) -> str:

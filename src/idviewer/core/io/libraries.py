@@ -58,7 +58,9 @@ def arrays_by(name: str, task: str, blobs: Sequence[bytes], **how: Any) -> dict[
     """
     _require(name, how.pop("reason", f"it is read by {name}"))
     sizes = [len(blob) for blob in blobs]
-    head = {"sizes": sizes, "imports": [name], "memory": MEMORY_BOUND.of(sum(sizes)), "how": how}
+    total = sum(sizes)
+    bounds = {"memory": MEMORY_BOUND.of(total), "seconds": MEMORY_BOUND.seconds_for(total)}
+    head = {"sizes": sizes, "imports": [name], **bounds, "how": how}
     given = json.dumps(head).encode() + b"\n" + b"".join(blobs)
     # -P: a folder of modules is no place to look for those of the standard library.
     done = subprocess.run(

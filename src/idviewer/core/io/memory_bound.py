@@ -14,10 +14,14 @@ class MemoryBound:
     Attributes:
         times: bytes of what is made of a file, for each of its bytes.
         constant: bytes in addition, so that small files can be well compressed.
+        seconds: of computing that a library's process may take in any case.
+        seconds_per_megabyte: of the file, beside.
     """
 
     times: int = 20
-    constant: int = 16 << 20
+    constant: int = 1 << 18
+    seconds: int = 5
+    seconds_per_megabyte: float = 5.0
 
     def of(self, size: int) -> int:
         """Bytes that may be made of a file.
@@ -29,6 +33,17 @@ class MemoryBound:
         1200
         """
         return self.times * size + self.constant
+
+    def seconds_for(self, size: int) -> int:
+        """Seconds of computing that a library's process may take.
+
+        Args:
+            size: of the file in bytes.
+
+        >>> MemoryBound().seconds_for(2_000_000)
+        15
+        """
+        return self.seconds + int(self.seconds_per_megabyte * size / 1e6)
 
     def check(self, needed: int, size: int, what: str) -> None:
         """Refuse what would take too much.

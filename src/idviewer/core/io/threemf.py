@@ -28,9 +28,6 @@ _UNITS = {
     **{"inch": "in", "foot": "ft", "meter": "m"},
 }
 _SUPPORTS = ("support", "solidsupport")
-_TEXT_TO_ARRAYS = 3
-"""How many bytes of a model's text become one of arrays, at least."""
-
 _PIECE = 1000
 """Bytes that one more place of an object takes, however small the object."""
 
@@ -130,7 +127,7 @@ class _Package:
             member = self.member(path)
             if member is None:
                 raise UnreadableError(f"its model {path[:60]!a} is missing")
-            self.take(member.file_size // _TEXT_TO_ARRAYS)
+            self.take(member.file_size)
             with self.archive.open(member) as stream:
                 self.models[key] = read_model(stream)
         return self.models[key]
@@ -153,7 +150,7 @@ class _Package:
         if depth > 50:
             raise UnreadableError("its components are made of each other")
         matrix = placed.matrix if outer is None else _one_after_the_other(placed.matrix, outer)
-        self.take(_PIECE + 8 * len(made.coordinates) + 4 * len(made.corners))
+        self.take(_PIECE + 8 * len(made.coordinates) + 8 * len(made.corners))
         if made.corners:
             points, triangles = made.mesh()
             if np.linalg.det(matrix[:3]) < 0:  # a mirror turns the winding round

@@ -5,6 +5,7 @@ They are read by expat as a stream, without a document type, so that no entity i
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass, field
 from typing import IO, Any
 from xml.parsers import expat
@@ -56,29 +57,21 @@ class ModelObject:
     Attributes:
         name: may be empty.
         kind: "model", "support", "solidsupport", "surface" or "other".
-        coordinates: of its points, as they stand in the file.
-        corners: of its triangles, as they stand in the file.
+        coordinates: of its points, one after the other.
+        corners: of its triangles, likewise.
         components: what it is made of beside.
     """
 
     name: str
     kind: str
-    coordinates: list[str] = field(default_factory=list)
-    corners: list[str] = field(default_factory=list)
+    coordinates: array[float] = field(default_factory=lambda: array("d"))
+    corners: array[int] = field(default_factory=lambda: array("q"))
     components: list[Placement] = field(default_factory=list)
 
     def mesh(self) -> tuple[Floats, Ints]:
-        """Points (n, 3) and triangles (m, 3).
-
-        Raises:
-            UnreadableError: what stands there are no numbers.
-        """
-        try:
-            points = np.array(list(map(float, self.coordinates)), dtype=np.float64)
-            corners = np.array(list(map(int, self.corners)), dtype=np.int64)
-        except (ValueError, OverflowError) as error:
-            raise UnreadableError(f"something else stands where a number belongs ({error})") from error
-        return points.reshape(-1, 3), corners.reshape(-1, 3)
+        """Points (n, 3) and triangles (m, 3)."""
+        points = np.array(self.coordinates, dtype=np.float64)
+        return points.reshape(-1, 3), np.array(self.corners, dtype=np.int64).reshape(-1, 3)
 
 
 @dataclass
@@ -119,6 +112,12 @@ def read_model(stream: IO[bytes]) -> Model:
         raise UnreadableError(
             f"truncated or damaged: line {error.lineno} of its model ({problem})"
         ) from error
+    except (ValueError, OverflowError) as error:
+        if isinstance(error, UnreadableError):
+            raise
+        line = parser.CurrentLineNumber
+        problem = f"line {line} of its model has something else where a number belongs ({error})"
+        raise UnreadableError(problem) from error
     except KeyError as error:
         line = parser.CurrentLineNumber
         raise UnreadableError(f"an element in line {line} of its model has no {error.args[0]}") from error
@@ -145,9 +144,9 @@ class _Reader:
             if name in _OTHER_SHAPES:
                 self.model.other_shapes[_OTHER_SHAPES[name]] = None
         elif name == "vertex":
-            self.current.coordinates += (given["x"], given["y"], given["z"])
+            self.current.coordinates.extend((float(given["x"]), float(given["y"]), float(given["z"])))
         elif name == "triangle":
-            self.current.corners += (given["v1"], given["v2"], given["v3"])
+            self.current.corners.extend((int(given["v1"]), int(given["v2"]), int(given["v3"])))
         elif name == "object":
             self.current = ModelObject(given.get("name", ""), given.get("type", "model"))
             self.model.objects[given["id"]] = self.current
