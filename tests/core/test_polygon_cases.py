@@ -34,9 +34,8 @@ HOLED = {
 }
 DEGREES = {"type": "Polygon", "coordinates": [ring(7, 45, 0.012704038469036, 0.00898311174991)]}
 ARROW = (
-    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 40">'
-    '<marker id="arrow"><path d="M0 0 H3 L1 2 Z"/>'
-    '</marker><path id="plate" d="M5 5 H55 V35 H5 Z"/></svg>'
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 40"><marker id="arrow">'
+    '<path d="M0 0 H3 L1 2 Z"/></marker><path id="plate" d="M5 5 H55 V35 H5 Z"/></svg>'
 )
 INCHES = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="4in" height="3in" viewBox="0 0 4 3">'

@@ -94,11 +94,11 @@ def test_holes_are_apart_by_blank_lines_in_wide_tables_too(tmp_path):
     [
         ("0,5,1,0\n1,5,2,0\n1,5,3,1\n", "lines have 4 cells, and it is not clear which two are x and y"),
         ("0,1,5\n3,2,7\n1,9,9\n", "lines have 3 cells, and it is not clear"),
-        ("0;0,5\n1;0.5\n1;1\n", "line 1: '0,5' has a comma and line 2: '0.5' a point"),
-        ("x;y\n1.234,5;0\n2;0\n2;2\n", "line 2: '1.234,5,0' stands where two numbers belong"),
+        ("0;0,5\n1;0.5\n1;1\n", "line 2: '0.5' has a point where other numbers have a decimal comma"),
+        ("x;y\n1.234,5;0\n2;0\n2;2\n", "line 2: '1.234,5' has a point|stands where two numbers belong"),
         ("0\n1\n2\n", "line 1: '0' is not x,y"),
         ("x,y\n0,0\n1_0,0\n1,1\n", "line 3: '1_0,0' stands where"),
-        ("1,0,0\n2,1,0\n3,1\n", "line 3: '3,1' has 2 cells and line 1 3"),
+        ("1,0,0\n2,1,0\n3,1\n", "line 3: '3 1' has 2 columns, and line 1 has 3"),
         ("0,0\n1,0\n1,1\n", None),
     ],
 )

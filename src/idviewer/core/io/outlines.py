@@ -65,6 +65,8 @@ def chosen_outline(source: FileSource, outlines: Sequence[Outline], kind: str, u
     parts = [Part(name, _size(one, unit)) for name, one in zip(names, outlines, strict=True)]
     number = source.chosen(parts, kind, [one.other_names for one in outlines])
     assert number is not None
+    if not any(map(len, outlines[number].loops)):
+        raise UnreadableError("it holds no points")
     return outlines[number]
 
 

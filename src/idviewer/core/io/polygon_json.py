@@ -8,10 +8,10 @@ from typing import Any
 from idviewer.core.arrays import Floats
 from idviewer.core.io.annotations import annotated_outlines
 from idviewer.core.io.contents import Contents, FileSource
-from idviewer.core.io.decoding import decoded
 from idviewer.core.io.geojson import is_geojson, loop_of, read_geojson
 from idviewer.core.io.outlines import chosen_outline
 from idviewer.core.io.text import UnreadableError
+from idviewer.core.io.text_tables import text_of
 
 WHAT_IS_READ = (
     'a list of [x, y], "outer" and "holes", GeoJSON with a Polygon, or what labelme, COCO and VIA write'
@@ -33,7 +33,7 @@ def read_json(source: FileSource) -> Contents[list[Floats]]:
     [3]
     """
     try:
-        content = json.loads(decoded(source.data))
+        content = json.loads(text_of(source.data))
     except json.JSONDecodeError as error:
         raise UnreadableError(f"line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
     except RecursionError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,11 +12,13 @@ import numpy as np
 
 from idviewer.core.arrays import Floats
 from idviewer.core.io.contents import Contents, FileSource
-from idviewer.core.io.decoding import decoded
 from idviewer.core.io.degrees import projected, within_degrees
-from idviewer.core.io.outline_tables import Row, TextTable, text_table
 from idviewer.core.io.outlines import Outline, chosen_outline
 from idviewer.core.io.text import UnreadableError
+from idviewer.core.io.text_tables import TextTable, table_of, text_of
+
+Row = tuple[int, list[str]]
+"""The number of a line, and its cells."""
 
 _AXIS = re.compile(
     r"(?:pos|position|coord|point|vertex|p)?[ _.]*([xyz])[ _.]*(?:pos|position|coord|coordinate)?$"
@@ -64,16 +67,20 @@ def read_csv(source: FileSource) -> Contents[list[Floats]]:
     >>> read.geometry[0].tolist(), len(read.notes)
     ([[0.5, 0.0], [1.0, 0.0], [0.0, 1.0]], 2)
     """
-    table = text_table(decoded(source.data))
-    filled = [row for row in table.rows if any(row[1])]
-    if not filled:
+    text = text_of(source.data)
+    table = table_of(text)
+    rows = list(zip(table.lines, table.rows, strict=True))
+    if rows and all(table.number(cell) is None for cell in rows[0][1]):
+        rows = rows[1:]  # units below the heading, or a heading alone
+    if not rows:
         raise UnreadableError("it holds no points")
-    columns = _named_columns(table, filled) or _unnamed_columns(table, filled)
+    columns = _named_columns(table, rows) or _unnamed_columns(table, rows)
     notes = [f"The column of {what} was passed over." for what in columns.passed_over]
-    if table.decimal_commas:
+    if table.decimal_comma:
         notes.append("Commas in numbers were read as decimal points.")
-    groups = _groups(table, columns)
-    outlines = [Outline(tuple(_loops(table, columns, rows)), name) for name, rows in groups]
+    groups = _groups(rows, columns)
+    breaks = [number for number, line in enumerate(text.splitlines(), 1) if not line.strip(" \t,;")]
+    outlines = [Outline(tuple(_loops(table, columns, rows, breaks)), name) for name, rows in groups]
     outlines = [one for one in outlines if one.loops]
     if not outlines:
         raise UnreadableError("it holds no points")
@@ -100,9 +107,9 @@ def _axis_and_unit(name: str) -> tuple[str, str]:
 
 def _named_columns(table: TextTable, rows: Sequence[Row]) -> Columns | None:
     """The columns that a header names x and y, or longitude and latitude; None where it does not."""
-    header = table.header
+    header = table.heading
     if rows and header and len(header) == len(rows[0][1]) - 1:
-        header = ("", *header)  # R writes no name over the column of rows' names
+        header = ["", *header]  # R writes no name over the column of rows' names
     axes = [_axis_and_unit(name) for name in header]
     names = [axis for axis, _ in axes]
     for first, second in (("x", "y"), ("lon", "lat")):
@@ -113,18 +120,17 @@ def _named_columns(table: TextTable, rows: Sequence[Row]) -> Columns | None:
         return None
     unit = "degrees" if first == "lon" else axes[x][1] if axes[x][1] == axes[y][1] else ""
     others = tuple(i for i in range(len(header)) if i not in (x, y))
-    for number, cells in rows:
-        if len(cells) > len(header):
-            raise _row_error(number, cells, f"has {len(cells)} cells and the header {len(header)}")
-    points = [cells for _, cells in rows if max(x, y) < len(cells) and (cells[x] or cells[y])]
+    if table.width != len(header):
+        raise _row_error(*rows[0], f"has {table.width} columns, and the heading {len(header)}")
+    points = [cells for _, cells in rows if cells[x] or cells[y]]
     dropped = []
     for i in others:
-        values = [cells[i] if i < len(cells) else "" for cells in points]
+        values = [cells[i] for cells in points]
         if not _is_running(table, values):
             dropped.append(i)
-    told = tuple(f"{header[i].strip()[:30]!a}" if header[i].strip() else "running numbers" for i in others)
+    titles = tuple(f"{header[i].strip()[:30]!a}" if header[i].strip() else "running numbers" for i in others)
     unit = unit if unit in ("degrees", *UNITS) else ""
-    return Columns(x, y, told, unit, tuple(dropped))
+    return Columns(x, y, titles, unit, tuple(dropped))
 
 
 def _unnamed_columns(table: TextTable, rows: Sequence[Row]) -> Columns:
@@ -133,17 +139,12 @@ def _unnamed_columns(table: TextTable, rows: Sequence[Row]) -> Columns:
     Raises:
         UnreadableError: there are too few, or more without a running number or a constant.
     """
-    width = len(rows[0][1])
-    for number, cells in rows:
-        if len(cells) != width and any(table.number(cell) is not None for cell in cells):
-            if width == 2:
-                raise _row_error(number, cells, "is not x,y")
-            raise _row_error(number, cells, f"has {len(cells)} cells and line {rows[0][0]} {width}")
+    width = table.width
     if width == 2:
         return Columns(0, 1)
     if width < 2:
         raise _row_error(*rows[0], "is not x,y")
-    points = [cells for _, cells in rows if len(cells) == width and not _is_break(table, cells[-2:])]
+    points = [cells for _, cells in rows if not _is_break(table, cells[-2:])]
     running = _is_running(table, [cells[0] for cells in points])
     constant = len({table.number(cells[-1]) for cells in points}) == 1
     if width == 3 and constant:
@@ -170,13 +171,12 @@ def _is_break(table: TextTable, cells: Sequence[str]) -> bool:
     return all(not cell or math.isnan(table.number(cell) or 0.0) for cell in cells)
 
 
-def _groups(table: TextTable, columns: Columns) -> list[tuple[str, list[Row]]]:
+def _groups(rows: Sequence[Row], columns: Columns) -> list[tuple[str, list[Row]]]:
     """Rows of each shape, and its name: all, or those of each value of a column that tells shapes apart."""
     for column in columns.others:
         groups: list[tuple[str, list[Row]]] = []
-        for row in table.rows:
-            cells = row[1]
-            value = cells[column] if column < len(cells) else ""
+        for row in rows:
+            value = row[1][column]
             if groups and (not value or value == groups[-1][0]):
                 groups[-1][1].append(row)
             elif value:
@@ -184,13 +184,25 @@ def _groups(table: TextTable, columns: Columns) -> list[tuple[str, list[Row]]]:
         names = [name for name, _ in groups]
         if len(groups) > 1 and len(set(names)) == len(names) and min(len(rows) for _, rows in groups) > 2:
             return groups
-    return [("", list(table.rows))]
+    return [("", list(rows))]
 
 
-def _loops(table: TextTable, columns: Columns, rows: Sequence[Row]) -> list[Floats]:
+def _loops(table: TextTable, columns: Columns, rows: Sequence[Row], breaks: Sequence[int]) -> list[Floats]:
+    """Points (k, 2) of each loop: a new one begins behind lines that are blank, or hold no point.
+
+    Args:
+        table: for its decimal sign.
+        columns: of x and y.
+        rows: of one shape.
+        breaks: numbers of the blank lines of the file, ascending.
+    """
     loops: list[list[tuple[float, float]]] = [[]]
+    last = 0
     for number, cells in rows:
-        wanted = [cells[i] if i < len(cells) else "" for i in (columns.x, columns.y)]
+        wanted = [cells[columns.x], cells[columns.y]]
+        if bisect(breaks, number) > bisect(breaks, last):
+            loops.append([])
+        last = number
         if _is_break(table, wanted):
             loops.append([])
             continue

@@ -72,8 +72,6 @@ def read_svg(source: FileSource) -> Contents[list[Floats]]:
         raise problems[0]
     notes += [f"A shape was passed over: {problem}." for problem in problems]
     outline = chosen_outline(source, outlines, "shapes", unit)
-    if not outline.loops:
-        raise UnreadableError("its shape is empty")
     return Contents(list(outline.loops), (*notes, *outline.notes), unit)
 
 

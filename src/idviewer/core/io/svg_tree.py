@@ -6,9 +6,9 @@ import copy
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-from idviewer.core.io.decoding import decoded
 from idviewer.core.io.svg_viewports import Viewport, length, nested_transform
 from idviewer.core.io.text import UnreadableError
+from idviewer.core.io.text_tables import text_of
 
 DRAWN_ELSEWHERE = frozenset(
     {"defs", "symbol", "marker", "mask", "clipPath", "pattern", "metadata", "filter", "font", "glyph"}
@@ -54,7 +54,7 @@ def parsed_tree(data: bytes) -> ElementTree.Element:
     except ElementTree.ParseError as error:
         raise UnreadableError(f"line {error.position[0]}: {error.msg.partition(':')[0]}") from error
     except (LookupError, ValueError):  # an encoding that nobody knows
-        root = ElementTree.fromstring(decoded(data))
+        root = ElementTree.fromstring(text_of(data))
     for element in root.iter():
         if isinstance(element.tag, str):
             element.tag = element.tag.removeprefix(SPACE)

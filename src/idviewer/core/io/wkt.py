@@ -11,10 +11,10 @@ import shapely
 
 from idviewer.core.arrays import Floats
 from idviewer.core.io.contents import Contents, FileSource
-from idviewer.core.io.decoding import decoded
 from idviewer.core.io.degrees import projected, system_is_degrees
 from idviewer.core.io.outlines import Outline, chosen_outline
 from idviewer.core.io.text import UnreadableError
+from idviewer.core.io.text_tables import text_of
 
 _SYSTEM = re.compile(r"\s*SRID\s*=\s*(\d+)\s*;", re.IGNORECASE)
 _START = re.compile(r"\s*(SRID\s*=|[A-Z]+\s*(ZM|Z|M)?\s*(\(|EMPTY))", re.IGNORECASE)
@@ -36,7 +36,7 @@ def read_wkt(source: FileSource) -> Contents[list[Floats]]:
     >>> [loop[:2].tolist() for loop in read_wkt(FileSource(data, Path("a.wkt"))).geometry]
     [[[0.0, 0.0], [1.0, 0.0]]]
     """
-    text = decoded(source.data)
+    text = text_of(source.data)
     systems = {found[1] for found in map(_SYSTEM.match, text.splitlines()) if found}
     if len(systems) > 1:
         raise UnreadableError(f"its geometries are in several systems, SRID {' and '.join(sorted(systems))}")
