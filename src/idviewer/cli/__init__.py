@@ -169,7 +169,7 @@ def info(
 
     Args:
         shape: A file, or the name of a bundled shape.
-        part: Which of several shapes in a file to take, by its name.
+        part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.
         json: Print JSON.
     """
     from idviewer.cli import shape_info

@@ -20,7 +20,9 @@ ParameterTexts = Annotated[
     tuple[str, ...],
     Parameter(allow_leading_hyphen=True, negative="", show_default=False, metavar="NAME=VALUE"),
 ]
-PartName = Annotated[str | None, Parameter(metavar="NAME", allow_leading_hyphen=True)]
+PartName = Annotated[
+    str | None, Parameter(name=("--part", "--label"), metavar="NAME", allow_leading_hyphen=True)
+]
 Component = Annotated[int | None, Parameter(metavar="N")]
 RefineText = Annotated[str, Parameter(metavar="no|auto|H", allow_leading_hyphen=True)]
 NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
@@ -143,7 +145,7 @@ class ReadingOptions(RepairOptions):
         fill_holes: Fill a mesh's holes of at most so many edges.
         drop_walls: Leave out a mesh's walls inside, and faces that bound no solid.
         component: Which of a mesh's components to take, 1 for the largest.
-        part: Which of several shapes in a file to take, by its name.
+        part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
 

@@ -40,7 +40,12 @@ class FileSource:
             raise PartError(f"it holds one shape, and no part {self.part!a}; leave the part out")
 
     def chosen(
-        self, parts: Sequence[Part], kind: str, other_names: Sequence[Sequence[str]] = ()
+        self,
+        parts: Sequence[Part],
+        kind: str,
+        other_names: Sequence[Sequence[str]] = (),
+        by_place: bool = True,
+        hint: str = "",
     ) -> int | None:
         """Number of the part to take: the one named, or the only one; None where there is none at all.
 
@@ -51,6 +56,8 @@ class FileSource:
             parts: the shapes in the file, in its order.
             kind: what they are called there, in the plural, such as "features".
             other_names: of each part, by which it may be chosen, too.
+            by_place: whether a number is a part's place; not where names are numbers.
+            hint: what else can be done, to end the message with.
 
         Raises:
             PartError: there are several and none is chosen, or there is none of that name.
@@ -61,7 +68,7 @@ class FileSource:
         """
         if self.part is None:
             if len(parts) > 1:
-                raise PartError(_choice(parts, kind), tuple(parts))
+                raise PartError(_choice(parts, kind) + hint, tuple(parts))
             return 0 if parts else None
         names = [part.name for part in parts]
         if self.part in names:
@@ -74,7 +81,7 @@ class FileSource:
             raise PartError(
                 f"{self.part!a} is the name of several: {named_parts(parts)}; choose one", tuple(parts)
             )
-        if self.part.isascii() and self.part.isdigit() and 1 <= int(self.part) <= len(parts):
+        if by_place and self.part.isascii() and self.part.isdigit() and 1 <= int(self.part) <= len(parts):
             return int(self.part) - 1
         there = f"there are {named_parts(parts)}" if parts else "there are none"
         raise PartError(f"it has no {self.part!a} among its {kind}; {there}", tuple(parts))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from idviewer.core.arrays import Floats
 from idviewer.core.io.abaqus import read_abaqus
 from idviewer.core.io.contents import Contents, FileSource
 from idviewer.core.io.gltf import read_glb, read_gltf
@@ -19,7 +19,6 @@ from idviewer.core.io.polygon_json import read_json
 from idviewer.core.io.polygon_tables import read_csv
 from idviewer.core.io.stl import read_stl
 from idviewer.core.io.wkt import read_wkt
-from idviewer.core.validation.polygon_soup import PolygonSoup
 
 Reader = Callable[[FileSource], Any]
 """From a file to the Contents of it: of a PolygonSoup, or of a polygon's loops; or to those themselves."""
@@ -63,16 +62,13 @@ class FileFormat:
         return found if isinstance(found, Contents) else Contents(found)
 
 
-def _read_svg(source: FileSource) -> Contents[list[Floats]]:
-    from idviewer.core.io.svg import read_svg  # its library takes a while to load
+def _late(module: str, name: str) -> Reader:
+    """A reader that is loaded when it is needed, as it takes a while."""
 
-    return read_svg(source)
+    def read(source: FileSource) -> Any:
+        return getattr(importlib.import_module(f"idviewer.core.io.{module}"), name)(source)
 
-
-def _read_3mf(source: FileSource) -> Contents[PolygonSoup]:
-    from idviewer.core.io.threemf import read_3mf  # zip and expat take a while to load
-
-    return read_3mf(source)
+    return read
 
 
 _OF_FREESURFER = (
@@ -82,6 +78,12 @@ _OF_FREESURFER = (
 )
 """What follows lh. and rh. in the names of surfaces."""
 
+_NIFTI, _MGH, _META = (
+    _late("nifti", "read_nifti"),
+    _late("nifti", "read_mgh"),
+    _late("metaimage", "read_metaimage"),
+)
+_NRRD, _TIFF = _late("nrrd", "read_nrrd"), _late("image_stacks", "read_tiff")
 _FROM_VTK = "call idviewer.view.vtk_files.register_vtk_reader, which needs VTK"
 _FORMATS = {
     one.suffix: one
@@ -92,7 +94,7 @@ _FORMATS = {
         FileFormat(".stl", "STL", 3, lambda source: read_stl(source.data)),
         FileFormat(".glb", "GLB", 3, read_glb, holds_parts=True),
         FileFormat(".gltf", "glTF", 3, read_gltf, holds_parts=True),
-        FileFormat(".3mf", "3MF", 3, _read_3mf, holds_parts=True),
+        FileFormat(".3mf", "3MF", 3, _late("threemf", "read_3mf"), holds_parts=True),
         FileFormat(".msh", "Gmsh", 3, read_gmsh, usual=False),
         FileFormat(".inp", "Abaqus", 3, read_abaqus, holds_parts=True, usual=False),
         FileFormat(".gii", "GIFTI", 3, read_gifti, holds_parts=True, usual=False),
@@ -100,8 +102,19 @@ _FORMATS = {
         FileFormat(".vtp", "VTP", 3, None, _FROM_VTK),
         FileFormat(".vtu", "VTU", 3, None, _FROM_VTK),
         FileFormat(".vtk", "VTK", 3, None, _FROM_VTK),
+        FileFormat(".nii", "NIfTI", 3, _NIFTI, holds_parts=True),
+        FileFormat(".nii.gz", "NIfTI", 3, _NIFTI, holds_parts=True),
+        FileFormat(".mgz", "MGZ", 3, _MGH, holds_parts=True),
+        FileFormat(".mgh", "MGH", 3, _MGH, holds_parts=True),
+        FileFormat(".mha", "MetaImage", 3, _META, holds_parts=True),
+        FileFormat(".mhd", "MetaImage", 3, _META, holds_parts=True),
+        FileFormat(".nrrd", "NRRD", 3, _NRRD, holds_parts=True),
+        FileFormat(".nhdr", "NRRD", 3, _NRRD, holds_parts=True),
+        FileFormat(".tif", "TIFF", 3, _TIFF, holds_parts=True),
+        FileFormat(".tiff", "TIFF", 3, _TIFF, holds_parts=True),
+        FileFormat(".npy", "NPY", 3, _late("image_stacks", "read_npy"), holds_parts=True),
         FileFormat(".csv", "CSV", 2, read_csv, holds_parts=True),
-        FileFormat(".svg", "SVG", 2, _read_svg, holds_parts=True),
+        FileFormat(".svg", "SVG", 2, _late("svg", "read_svg"), holds_parts=True),
         FileFormat(".json", "JSON", 2, read_json, holds_parts=True),
         FileFormat(".geojson", "GeoJSON", 2, read_json, holds_parts=True),
         FileFormat(".wkt", "WKT", 2, read_wkt, holds_parts=True),
