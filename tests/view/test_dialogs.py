@@ -19,7 +19,7 @@ def filters(qtbot: QtBot) -> dict[str, set[str]]:
     parent = QWidget()
     qtbot.addWidget(parent)
     lines = open_dialog("", parent).nameFilters()
-    return {line.partition(" (")[0]: set(re.findall(r"\*(\.\w+)", line)) for line in lines}
+    return {line.partition(" (")[0]: set(re.findall(r"\*((?:\.\w+)+)", line)) for line in lines}
 
 
 def test_every_readable_suffix_is_offered(filters: dict[str, set[str]]) -> None:

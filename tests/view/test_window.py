@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QScreen
-from PySide6.QtWidgets import QFileDialog, QWidget
+from PySide6.QtWidgets import QDialogButtonBox, QFileDialog, QWidget
 from pytestqt.qtbot import QtBot
 from tests.core import shapes
 from tests.view.mouse import Mouse
@@ -154,10 +154,12 @@ def test_one_of_several_components_can_be_opened(qtbot: QtBot, mouse: Mouse, tmp
     window = show_window(qtbot)
     window.open(path)
     told(qtbot, window, "two", "components")
-    assert "1,280 faces" in window.messages.button.text()
-    mouse.click(window.messages.button)
+    dialog = window._dialog
+    focus(qtbot, dialog)
+    assert "80 faces" in dialog.choice.description  # the larger volume, of fewer faces
+    mouse.click(dialog.buttons.button(QDialogButtonBox.StandardButton.Open))
     wait_until_done(qtbot, window.session)
-    assert len(window.session.state.shape.faces) == 1280
+    assert len(window.session.state.shape.faces) == 80
 
 
 def test_repairs_are_told_and_dismissed(qtbot: QtBot, mouse: Mouse, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
-from idviewer.core import DistanceError, MeshError, Shape, ShapeError, sample_names, sample_path
+from idviewer.core import DistanceError, Shape, ShapeError, sample_names, sample_path
 from idviewer.core.sampling import SourceError
 from idviewer.core.shapes import Ray
 from idviewer.session import Frame, PlaneCommands, Progress, Session, State
@@ -24,6 +24,7 @@ from idviewer.view.menu_commands import menu_commands
 from idviewer.view.menus import enable_for, fill_menu_bar
 from idviewer.view.message_bar import MessageBar
 from idviewer.view.panel import Calls, Panel
+from idviewer.view.part_choice import Choice, PartDialog, choices_of, describe_choices
 from idviewer.view.polygon_edits import PolygonEdits
 from idviewer.view.polygon_view import is_2d
 from idviewer.view.status_line import StatusLine, describe_probe, hint_for
@@ -42,6 +43,7 @@ class MainWindow(QMainWindow):
         self.session, self._post = session, post
         self._folder = str(Path.cwd())
         self._requested_path: Path | None = None
+        self._requested_part: str | None = None
         self._dialog: QDialog | None = None
         self._closed = False
         self.viewport, self.messages = Viewport(), MessageBar()
@@ -136,12 +138,22 @@ class MainWindow(QMainWindow):
         expected = isinstance(error, ShapeError | SourceError | DistanceError | OSError)
         LOG.error("%s", error, exc_info=None if expected else error)
         path = self._requested_path
-        if isinstance(error, MeshError) and error.components and path is not None:
-            several = f"{path.name} has {len(error.components)} components, and distances need a single one."
-            offer = f"Open the largest ({error.components[0]:,} faces)"
-            self.messages.tell("error", several, (offer, lambda: self.open(path, component=1)))
+        if path is not None and (choices := choices_of(error, self._requested_part)):
+            self._offer(path, choices)
         else:
             self.complain(str(error) or type(error).__name__)
+
+    def _offer(self, path: Path, choices: tuple[Choice, ...]) -> None:
+        """Ask which of a file's shapes to open; the message bar asks again."""
+        several = describe_choices(path.name, choices)
+
+        def ask() -> None:
+            self.messages.tell("error", several, ("Choose one…", ask))
+            dialog = PartDialog(several, choices, self)
+            dialog.chosen.connect(lambda choice: self.open(path, choice.component, choice.part))
+            self._show_dialog(dialog)
+
+        ask()
 
     def _on_opened(self, shape: Shape, path: Path | None) -> None:
         self.viewport.reset_view()
@@ -163,7 +175,7 @@ class MainWindow(QMainWindow):
     def open(self, path: Path | str, component: int | None = None, part: str | None = None) -> None:
         """Open a mesh or a polygon; the shape that is open stays until the new one is read."""
         self.messages.clear()
-        self._requested_path = Path(path)
+        self._requested_path, self._requested_part = Path(path), part
         self.session.open(self._requested_path, component, part)
 
     def _open_sample(self, name: str) -> None:
