@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib.util
+import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -82,6 +84,29 @@ def pytest_terminal_summary(
         same = "" if given else ", hypothesis derandomized: the same in every run"
         terminalreporter.write_line(f"Seed of the random numbers: {seed_of(config)}{same}.")
         terminalreporter.write_line(f'To repeat a failure: make test PYTEST_ARGS="{option}NAME"')
+
+
+@pytest.fixture(scope="session", autouse=True)
+def boundaries_as_given() -> Iterator[None]:
+    """Has boundaries computed on as they are given, but in tests marked `refined`.
+
+    Most tests hold results on small bodies against twins on the same vertices.
+    """
+    from idviewer.core.spectrum import resolution
+
+    usual = resolution.RESOLUTION
+    resolution.RESOLUTION = dataclasses.replace(usual, tolerated=math.inf)
+    yield
+    resolution.RESOLUTION = usual
+
+
+@pytest.fixture(autouse=True)
+def boundaries_refined(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Has boundaries refined in tests that say so."""
+    if request.node.get_closest_marker("refined") is not None:
+        from idviewer.core.spectrum import resolution
+
+        monkeypatch.setattr(resolution, "RESOLUTION", resolution.ResolutionSettings())
 
 
 @pytest.fixture(scope="session")

@@ -27,6 +27,8 @@ class MeshRefinementSettings:
     Attributes:
         flatness: in units of the diagonal, how far off a plane faces may lie that count as flat: what single
             precision, as STL files have it, leaves of flat faces.
+        digits: of lengths and cotangents that count: rounding must not choose between what is equal, or a
+            mesh would be refined otherwise when it is moved.
         delaunay_slack: by which the cotangents opposite an edge may add up to less than 0.
         band: edges shorter than the longest by more than this factor wait for a later round.
         spacing: of midpoints inserted at a time in one flat part, in units of the edges' length.
@@ -38,7 +40,8 @@ class MeshRefinementSettings:
     """
 
     flatness: float = 2.0**-22
-    delaunay_slack: float = 1e-9
+    digits: int = 7
+    delaunay_slack: float = 1e-7
     band: float = 0.7
     spacing: float = 0.45
     well_shaped: float = 0.6
@@ -134,10 +137,10 @@ class _Surface:
         """Cut the edges between flat parts, and in these those of well-shaped triangles, into equal parts."""
         while True:
             edges = EdgesOfFaces.of(self.faces, len(self.vertices))
-            lengths = self._lengths(edges.ends)
+            lengths = self._lengths(edges.ends) / edge_length
             ridges = ~self._flat(edges) | (self._parts[edges.faces[:, 0]] != self._parts[edges.faces[:, 1]])
             share = np.where(ridges, MESH_REFINEMENT.ridge_share, 1.0)
-            parts = np.ceil(lengths / (share * edge_length) * (1.0 - 1e-9))
+            parts = np.ceil((lengths / share).round(MESH_REFINEMENT.digits))
             long = parts > 1.0
             if not everything:
                 long &= ridges | self._well_shaped()[edges.faces].all(axis=1)
@@ -159,20 +162,19 @@ class _Surface:
             Vertices of the faces that are new; none when no edge is left that is too long.
         """
         edges = EdgesOfFaces.of(self.faces, len(self.vertices))
-        lengths = self._lengths(edges.ends)
+        lengths = (self._lengths(edges.ends) / edge_length).round(MESH_REFINEMENT.digits)
         longest = np.zeros(len(self.faces))
         for side in edges.faces.T:
             np.maximum.at(longest, side, lengths)
         # The longest of both faces, so that no vertex comes near another.
-        terminal = lengths >= longest[edges.faces].max(axis=1) * (1.0 - 1e-9)
-        long = np.flatnonzero(terminal & (lengths * (1.0 - 1e-9) > edge_length))
+        long = np.flatnonzero((lengths >= longest[edges.faces].max(axis=1)) & (lengths > 1.0))
         if len(long) == 0:
             return long
-        band = max(edge_length, MESH_REFINEMENT.band * lengths[long].max())
-        long = long[lengths[long] >= band * (1.0 - 1e-9)]
+        band = max(1.0, MESH_REFINEMENT.band * lengths[long].max())
+        long = long[lengths[long] >= band]
         long = long[np.argsort(-lengths[long], kind="stable")]
         middles = self.vertices[edges.ends[long]].mean(axis=1)
-        radius = MESH_REFINEMENT.spacing * band
+        radius = MESH_REFINEMENT.spacing * band * edge_length
         places = np.column_stack([middles, 2.0 * radius * self._parts[edges.faces[long, 0]]])
         chosen = _apart(places, edges.faces[long], radius)
         first = len(self.vertices)
@@ -186,7 +188,7 @@ class _Surface:
             marked[changed] = True
             nearby = np.flatnonzero(marked[self.faces].any(axis=1))
             edges = EdgesOfFaces.of(self.faces[nearby], len(self.vertices))
-            excess = -self._cotangent_sums(edges)
+            excess = -self._cotangent_sums(edges).round(MESH_REFINEMENT.digits)
             wanted = np.flatnonzero(excess > MESH_REFINEMENT.delaunay_slack)
             parts = self._parts[nearby[edges.faces[wanted]]]
             wanted = wanted[self._flat(edges, wanted) & (parts[:, 0] == parts[:, 1])]
