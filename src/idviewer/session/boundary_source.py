@@ -8,11 +8,14 @@ from functools import partial
 from idviewer.core import Shape
 from idviewer.core.interior import boundary_steps
 from idviewer.core.spectrum import Resolved
-from idviewer.core.steps import Resumable
-from idviewer.session.progress import with_progress
+from idviewer.core.steps import Resumable, map_steps
 from idviewer.session.state import Progress, Query
 
 REFINING_BOUNDARY = "Refining the boundary"
+
+
+def _told(share: float | None) -> Progress | None:
+    return None if share is None else Progress(REFINING_BOUNDARY, share)
 
 
 class BoundarySource:
@@ -25,8 +28,8 @@ class BoundarySource:
         self._known: Resolved | None = None
         self._making: Resumable[float | None, Resolved] = Resumable()
 
-    def steps(self, shape: Shape, query: Query) -> Generator[Progress, None, Resolved]:
-        """The boundary that a query of a shape is computed on.
+    def steps(self, shape: Shape, query: Query) -> Generator[Progress | None, None, Resolved]:
+        """The boundary that a query of a shape is computed on; progress is told where it is refined.
 
         Raises:
             ShapeError: the length asked for takes more vertices than there is memory for.
@@ -38,7 +41,7 @@ class BoundarySource:
             return Resolved.unrefined(shape)
         begin = partial(boundary_steps, shape, query.distance, query.refine)
         making = self._making.run((shape, query.refine), begin)
-        self._known = yield from with_progress(REFINING_BOUNDARY, making)
+        self._known = yield from map_steps(_told, making)
         return self._known
 
     def forget_half_done(self) -> None:

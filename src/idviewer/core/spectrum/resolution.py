@@ -167,9 +167,9 @@ def resolved_steps(
     refine = checked_refinement(refine)
     if refine == "no" or not isinstance(shape, Mesh | Polygon):
         return Resolved.unrefined(shape)
-    yield None
     if isinstance(refine, float):
         _check_count(shape, refine)
+        yield 0.5
         reason = f"edges of at most {refine:.4g} were asked for"
         return Resolved(shape, shape.refined(refine), refine, None, refine, reason)
     # A bound from above for lambda_2, so one from below for the length, spares most shapes all that follows.
@@ -185,7 +185,7 @@ def resolved_steps(
     reason = f"its {pieces} for {{modes}}"
     if length > wanted:
         reason += f"; about {(length / wanted) ** 2:.2g} times as many would resolve them"
-    yield None
+    yield 0.5
     return Resolved(shape, shape.refined(length), refine, lambda_2, length, reason)
 
 
