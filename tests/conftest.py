@@ -86,27 +86,22 @@ def pytest_terminal_summary(
         terminalreporter.write_line(f'To repeat a failure: make test PYTEST_ARGS="{option}NAME"')
 
 
-@pytest.fixture(scope="session", autouse=True)
-def boundaries_as_given() -> Iterator[None]:
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[object]:
     """Has boundaries computed on as they are given, but in tests marked `refined`.
 
-    Most tests hold results on small bodies against twins on the same vertices.
+    Most tests hold results on small bodies against twins on the same vertices; examples in docstrings show
+    what users have. Not a fixture: those of modules are made before any of a test.
     """
     from idviewer.core.spectrum import resolution
 
     usual = resolution.RESOLUTION
-    resolution.RESOLUTION = dataclasses.replace(usual, tolerated=math.inf)
-    yield
-    resolution.RESOLUTION = usual
-
-
-@pytest.fixture(autouse=True)
-def boundaries_refined(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Has boundaries refined in tests that say so."""
-    if request.node.get_closest_marker("refined") is not None:
-        from idviewer.core.spectrum import resolution
-
-        monkeypatch.setattr(resolution, "RESOLUTION", resolution.ResolutionSettings())
+    if Path(__file__).parent in item.path.parents and item.get_closest_marker("refined") is None:
+        resolution.RESOLUTION = dataclasses.replace(usual, tolerated=math.inf)
+    try:
+        return (yield)
+    finally:
+        resolution.RESOLUTION = usual
 
 
 @pytest.fixture(scope="session")
