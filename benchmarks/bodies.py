@@ -14,7 +14,8 @@ from scipy.spatial import ConvexHull
 from idviewer.core import InteriorDistance, Mesh, Plane, section
 from idviewer.core.shapes.plane import AXES
 from idviewer.core.slices import slice_mesh, spacing_for
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.state import Query, default_plane
 
 Floats = NDArray[np.float64]

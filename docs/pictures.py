@@ -11,7 +11,7 @@ from PIL import Image
 
 from idviewer.core import Mesh, Plane, read_mesh, sample_path
 from idviewer.session import Display, Query, State
-from idviewer.session.pipeline import run_to_end
+from idviewer.session.run_to_end import run_to_end
 from idviewer.view.images import image
 
 FOLDER = Path(__file__).parent / "images"

@@ -14,7 +14,8 @@ from figures.flat import ISOLINES, title
 from figures.registry import Run
 from idviewer.core import Mesh, Plane
 from idviewer.session import Display, Query, State
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.state import Frame
 from idviewer.view.images import default_camera, image
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from idviewer.core import sample_path
 from idviewer.core.io import DEFAULT_SAMPLE
-from idviewer.session import Session, SpectrumCache, Work
+from idviewer.session import Pipeline, Session, SpectrumCache, Work
 from idviewer.view.gui_thread import Post
 from idviewer.view.vtk_files import register_vtk_reader
 from idviewer.view.window import MainWindow
@@ -22,7 +22,8 @@ def make_window(work: Work | None = None, cache: SpectrumCache | None = None) ->
     """A window with a session of its own, whose requests work answers; a QApplication must exist."""
     register_vtk_reader()
     post = Post()
-    return MainWindow(Session(post, work, cache), post)
+    answer = work or Pipeline(cache, previews=True, errors=True).results
+    return MainWindow(Session(post, answer, cache), post)
 
 
 def run_window(path: Path | None, cache: SpectrumCache | None = None) -> int:

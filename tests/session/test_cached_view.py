@@ -15,7 +15,8 @@ from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.session import cached_view
 from idviewer.session import eigenpair_source as eigenpairs
 from idviewer.session.eigenpair_source import READING
-from idviewer.session.pipeline import SEARCHING, Pipeline, run_to_end
+from idviewer.session.pipeline import SEARCHING, Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready, default_plane
 

@@ -13,7 +13,8 @@ from idviewer.core import Diffusion, Euclidean, Mesh, Plane
 from idviewer.session import array_cache, array_files
 from idviewer.session import eigenpair_source as eigenpairs
 from idviewer.session.eigenpair_source import COMPUTING, READING
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import Frame, FrameRequest, Progress, Query
 

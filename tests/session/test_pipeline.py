@@ -11,7 +11,8 @@ from idviewer.core.interior.interpolation import BasisInterpolation
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.session import eigenpair_source
 from idviewer.session import kernel_compilation as kernels
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.state import (
     DropRequest,
     Failure,

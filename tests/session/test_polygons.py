@@ -23,7 +23,8 @@ from idviewer.core import (
 from idviewer.core.sampling import POLYGON_PLANE
 from idviewer.core.shapes.rays import Ray
 from idviewer.session.picking import pick
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.state import Failure, Frame, FrameRequest, Progress, Query, Ready
 
 L_SHAPE = Polygon([[0, 0], [4, 0], [4, 1], [1, 1], [1, 3], [0, 3]], name="L")

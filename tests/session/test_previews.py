@@ -10,7 +10,8 @@ from idviewer.core import GPS, Diffusion, Euclidean, Mesh, Plane, read_mesh, sam
 from idviewer.core.interior import preview
 from idviewer.core.spectrum.krylov_eigenpairs import KRYLOV
 from idviewer.session import eigenpair_source as eigenpairs
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.state import Frame, FrameRequest, Progress, Query, Ready
 
 pytestmark = pytest.mark.slow

@@ -10,7 +10,8 @@ from idviewer.core import Diffusion, Euclidean, InteriorDistance, Polygon, Polyg
 from idviewer.core.sampling import POLYGON_PLANE
 from idviewer.core.shapes.rays import Ray
 from idviewer.session import kernel_compilation as kernels_module
-from idviewer.session.pipeline import Pipeline, run_to_end
+from idviewer.session.pipeline import Pipeline
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.state import Frame, FrameRequest, Query
 
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)

@@ -15,7 +15,7 @@ from pathlib import Path
 from cyclopts import App, CycloptsError
 
 import idviewer
-from idviewer.cli import commands, distance_options, output, parsing, point_distances
+from idviewer.cli import commands, discretisation, distance_options, output, parsing, point_distances
 from idviewer.cli.options import (
     BodyChoice,
     DisplayOptions,
@@ -26,6 +26,7 @@ from idviewer.cli.options import (
     PartName,
     PictureQuery,
     ReadingOptions,
+    RefineText,
     RepairOptions,
 )
 
@@ -148,10 +149,13 @@ def barycentroid(
     solver = commands.solver_of(parsing.shape_of(shape, reading), chosen, commands.cache_of(reading.no_cache))
     found = solver.barycentroid()
     commands.print_remarks(commands.remarks_on_barycentroid(solver))
-    commands.print_remarks(commands.remarks_on_weights(solver))
+    levels = discretisation.discretisation_of(solver)
+    summary = None if levels is None else levels.summary
+    warnings = discretisation.warnings_of(summary)
+    commands.print_remarks((*commands.remarks_on_weights(solver), *warnings))
     if json:
         content = {**commands.distance_as_json(solver), "point": found.point, "potential": found.potential}
-        print(output.as_json(content))
+        print(output.as_json({**content, "discretisation": discretisation.as_json(summary)}))
     else:
         print(f"barycentroid  {output.coordinates(found.point)}\npotential     {found.potential!r}")
 
@@ -163,6 +167,7 @@ def info(
     *,
     part: PartName = None,
     repairs: RepairOptions = RepairOptions(),
+    refine: RefineText = "auto",
     json: Flag = False,
 ) -> int:
     """Print a shape's sizes and everything that is wrong with it; exit status 2 if it cannot be used.
@@ -170,13 +175,15 @@ def info(
     Args:
         shape: A file, or the name of a bundled shape.
         part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.
+        refine: How the boundary is refined whose error is told: no, auto, or the longest edge allowed.
         json: Print JSON.
     """
     from idviewer.cli import shape_info
 
     path = parsing.path_of(shape)
     report = shape_info.polygon if shape_info.is_polygon(path) else shape_info.mesh
-    text, usable = report(shape, path, part, parsing.repairs_of(repairs), json)
+    refinement = distance_options.refinement_of(refine)
+    text, usable = report(shape, path, part, parsing.repairs_of(repairs), refinement, json)
     print(text)
     return 0 if usable else BAD_INPUT
 

@@ -8,13 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import parsing
+from idviewer.cli import discretisation, parsing
 from idviewer.cli.options import DisplayOptions, PictureQuery
 
 if TYPE_CHECKING:
     from idviewer.cli.distance_options import ChosenDistance
     from idviewer.core import InteriorDistance, Shape
-    from idviewer.core.spectrum import Resolved
     from idviewer.session import Frame, Pipeline, Query, SpectrumCache
 
 
@@ -80,17 +79,7 @@ def distance_as_json(solver: InteriorDistance) -> dict[str, Any]:
         "distance": distance.name,
         **parameter_values(distance, lambda_2),
         "coordinates": solver.coordinates.name,
-        "refinement": refinement_as_json(solver.boundary.resolved),
-    }
-
-
-def refinement_as_json(resolved: Resolved) -> dict[str, Any]:
-    """How the boundary was refined, for JSON."""
-    return {
-        "asked": resolved.option,
-        "vertices": len(resolved.given.vertices),
-        "computed_on": len(resolved.shape.vertices),
-        "edge_length": resolved.edge_length,
+        "refinement": discretisation.refinement_as_json(solver.boundary.resolved),
     }
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from idviewer.cli import commands, output, parsing
+from idviewer.cli import commands, discretisation, output, parsing
 from idviewer.cli.options import Endpoints
 
 if TYPE_CHECKING:
@@ -51,11 +51,16 @@ def of_pair(
     first, second = (placed_point(solver, one) for one in written)
     points = [one.point for one in written]
     inside, straight = float(solver.distance([first], [second])[0]), math.dist(*points)
-    commands.print_remarks(commands.remarks_on_weights(solver))
+    levels = discretisation.discretisation_of(solver)
+    error = None if levels is None else float(levels.errors([first], [second])[0])
+    summary = None if levels is None else levels.summary
+    commands.print_remarks((*commands.remarks_on_weights(solver), *discretisation.warnings_of(summary)))
     if json:
         content = {**commands.distance_as_json(solver), "from": points[0], "to": points[1]}
-        return output.as_json({**content, "interior": inside, "euclidean": straight})
-    return f"interior   {inside!r}  ({solver.description})\nEuclidean  {straight!r}"
+        content |= {"interior": inside, "euclidean": straight, "error": error}
+        return output.as_json({**content, "discretisation": discretisation.as_json(summary)})
+    within = f"; discretisation within about {error:.2g}" if error else ""
+    return f"interior   {inside!r}  ({solver.description}{within})\nEuclidean  {straight!r}"
 
 
 def from_source(
@@ -89,12 +94,20 @@ def from_source(
         value if math.isfinite(value) else None for value in solver.field(begin, placed.points).tolist()
     ]
     commands.print_remarks(_remarks_on_missing(values, table, placed, told))
-    commands.print_remarks(commands.remarks_on_weights(solver))
+    levels = discretisation.discretisation_of(solver)
+    summary = None if levels is None else levels.summary
+    commands.print_remarks((*commands.remarks_on_weights(solver), *discretisation.warnings_of(summary)))
     if json:
         points = table.points.tolist()
         content = {**commands.distance_as_json(solver), "source": source, "points": points}
         straight = [math.dist(source, point) for point in points]
-        return output.as_json({**content, "interior": values, "euclidean": straight})
+        content |= {"interior": values, "euclidean": straight}
+        if levels is not None:
+            errors = levels.errors(placed.points, [begin]).tolist()
+            content["errors"] = [
+                None if value is None else e for e, value in zip(errors, values, strict=True)
+            ]
+        return output.as_json({**content, "discretisation": discretisation.as_json(summary)})
     return _as_table(table, values)
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import output
+from idviewer.cli import discretisation, output
 
 if TYPE_CHECKING:
     from idviewer.core import Polygon, Repairs
     from idviewer.core.shapes import Diagnosis
+    from idviewer.core.spectrum import Refine
 
 TITLE_WIDTH = 16
 UNKNOWN_UNIT = "not told by the file"
@@ -23,18 +24,28 @@ def is_polygon(path: Path) -> bool:
     return path.suffix.lower() in readable_suffixes(2) and not path.is_dir()
 
 
-def mesh(name: str, path: Path, part: str | None, repairs: Repairs, json: bool) -> tuple[str, bool]:
+def mesh(
+    name: str, path: Path, part: str | None, repairs: Repairs, refine: Refine, json: bool
+) -> tuple[str, bool]:
     """The report on a mesh after repairs, in words or JSON, and whether it can be used."""
+    from idviewer.core import read_shape
     from idviewer.core.io import inspect_file
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
     diagnosis = inspect_file(path, part, repairs)
-    text = output.as_json({"mesh": name, **diagnosis.as_dict()}) if json else _report(name, diagnosis)
-    return text, diagnosis.usable
+    content: dict[str, Any] = {}
+    lines: tuple[tuple[str, str], ...] = ()
+    if diagnosis.usable:
+        content, lines = discretisation.of_shape(read_shape(path, part=part, repairs=repairs), refine)
+    if json:
+        return output.as_json({"mesh": name, **diagnosis.as_dict(), **content}), diagnosis.usable
+    return _report(name, diagnosis, lines), diagnosis.usable
 
 
-def polygon(name: str, path: Path, part: str | None, repairs: Repairs, json: bool) -> tuple[str, bool]:
+def polygon(
+    name: str, path: Path, part: str | None, repairs: Repairs, refine: Refine, json: bool
+) -> tuple[str, bool]:
     """The report on a polygon, in words or JSON, and whether it can be used."""
     from idviewer.core import Polygon, PolygonError, read_shape
 
@@ -46,8 +57,9 @@ def polygon(name: str, path: Path, part: str | None, repairs: Repairs, json: boo
         if json:
             return output.as_json({"polygon": name, "usable": False, "problem": problem}), False
         return "\n".join([name, _line("problem", problem), _line("usable", "no")]), False
+    content, lines = discretisation.of_shape(made, refine)
     if json:
-        return output.as_json({"polygon": name, "usable": True, **_polygon_sizes(made)}), True
+        return output.as_json({"polygon": name, "usable": True, **_polygon_sizes(made), **content}), True
     sizes = (
         ("vertices", f"{len(made.vertices):,}"),
         ("loops", f"{len(made.loops)} ({_holes(made)})"),
@@ -55,6 +67,7 @@ def polygon(name: str, path: Path, part: str | None, repairs: Repairs, json: boo
         ("unit", made.unit or UNKNOWN_UNIT),
         ("area", f"{made.area:.6g}"),
         ("perimeter", f"{made.perimeter:.6g}"),
+        *lines,
     )
     notes = [_line("note", note) for note in made.notes] or [_line("faults", "none")]
     return "\n".join([name, *(_line(*size) for size in sizes), *notes, _line("usable", "yes")]), True
@@ -86,8 +99,9 @@ def _box(corners: Iterable[Iterable[float]]) -> str:
     return f"{lower} to {upper}"
 
 
-def _report(name: str, diagnosis: Diagnosis) -> str:
-    lines = [name, *(f"  {title:<{TITLE_WIDTH}}{value}" for title, value in _sizes(diagnosis))]
+def _report(name: str, diagnosis: Diagnosis, more: Iterable[tuple[str, str]]) -> str:
+    sizes = (*_sizes(diagnosis), *more)
+    lines = [name, *(f"  {title:<{TITLE_WIDTH}}{value}" for title, value in sizes)]
     for finding in diagnosis.findings:
         incurable = "a repair mends it, see below" if diagnosis.advice else "cannot be mended"
         fate = (

@@ -24,6 +24,8 @@ from idviewer.core.distances import (
 )
 from idviewer.core.errors import DistanceError, ShapeError
 from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior.discretisation import Discretisation, DiscretisationError
+from idviewer.core.interior.discretisation_levels import discretisation
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.single_call import interior_distance
 from idviewer.core.interior.solver import InteriorDistance
@@ -62,6 +64,8 @@ __all__ = [
     "CommuteTime",
     "Coordinates",
     "Diffusion",
+    "Discretisation",
+    "DiscretisationError",
     "Distance",
     "DistanceError",
     "Euclidean",
@@ -87,6 +91,7 @@ __all__ = [
     "Spectrum",
     "cotangent_laplacian",
     "diagnose",
+    "discretisation",
     "eigenpairs",
     "gram_distance",
     "interior_distance",

@@ -131,10 +131,11 @@ class FrameBuilder:
             source=np.array(source),
             barycentroid=np.array(barycentroid),
             value_range=(lowest, highest),
-            title=f"Potential U ({self._description})" if potential else self._description,
+            title=self._title(potential),
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
             modes=0 if spectrum is None else len(spectrum.values),
-            remarks=(*self._samples.remarks, *self._remarks),
+            remarks=(*self._samples.remarks, *self._remarks, *self._warnings()),
+            discretisation=self._context.discretisation(query),
         )
         return _frozen(frame if self._context.preview is None else self._as_preview(frame))
 
@@ -143,6 +144,18 @@ class FrameBuilder:
         share, largest = self._context.preview_error(self.solver)
         title = f"{frame.title}; preview (error about {percentage(share)})"
         return replace(frame, exact=False, error=frame.error + share * largest, preview=share, title=title)
+
+    def _title(self, potential: bool) -> str:
+        """The quantity in words, and how far it may be off by the discretisation of the boundary."""
+        words = f"Potential U ({self._description})" if potential else self._description
+        found = self._context.discretisation(self._query)
+        if found is None or not found.largest:
+            return words
+        return f"{words}; discretisation within {percentage(found.total_distances)}"
+
+    def _warnings(self) -> tuple[str, ...]:
+        found = self._context.discretisation(self._query)
+        return (found.remark,) if found is not None and found.serious else ()
 
     def _places(self) -> tuple[Point, Point]:
         """The source and the barycentroid."""

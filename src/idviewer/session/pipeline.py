@@ -46,6 +46,8 @@ Results = Generator[Result | None, None, None]
 Cached = tuple[Spectrum | None, CachedView]
 """Results kept of a shape from earlier runs: the eigenpairs asked for, and its first view."""
 
+ESTIMATING = "Estimating the error of the discretisation"
+
 QUIET_SECONDS = 0.3
 """For which a polygon's progress is not told."""
 
@@ -62,14 +64,19 @@ class Pipeline:
     Args:
         cache: where eigenpairs are kept from one run of the program to the next; None for nowhere.
         previews: whether frames of a large mesh begin with previews, for somebody who looks on.
+        errors: whether the error of the discretisation is estimated once all else is there, and told by
+            another frame.
     """
 
-    def __init__(self, cache: SpectrumCache | None = None, previews: bool = False) -> None:
+    def __init__(
+        self, cache: SpectrumCache | None = None, previews: bool = False, errors: bool = False
+    ) -> None:
         self._cache = cache
         self._kernels = Kernels()
         self._eigenpairs = EigenpairSource(cache)
         self._boundaries = BoundarySource()
         self._previews = PreviewSource() if previews else None
+        self._estimates_errors = errors
         self._looked_up: tuple[Hashable, Cached] | None = None
         self._context: ShapeContext | None = None
         self._view: CachedView | None = None
@@ -113,22 +120,35 @@ class Pipeline:
         resolved = yield from self._boundaries.steps(request.shape, request.query)
         computed = resolved.shape
         with few_threads(len(computed.vertices), len(computed.facets)):
-            frames = self._frames(replace(request, shape=computed), resolved.lambda_2)
+            frames = self._frames(replace(request, shape=computed), resolved)
             yield from map_steps(partial(_of_given_shape, resolved), frames)
 
-    def _frames(self, request: FrameRequest, lambda_2: float | None) -> Results:
+    def _frames(self, request: FrameRequest, resolved: Resolved) -> Results:
         shape, query, context = request.shape, request.query, self._context
         if context is None or context.shape is not shape or context.lacks_eigenpairs(query.distance):
             cached = yield from self._look_up_steps(shape, query)
             if cached[0] is None and self._previews is not None:
                 yield from self._preview_frames(self._previews, shape, query)
-            context = yield from self._prepare_steps(request, cached, lambda_2)
+            context = yield from self._prepare_steps(request, cached, resolved)
         yield from self._answer(context, query, self._view)
         yield from self._keep_view_steps(context, query)
         # For slices to come, which somebody now has time to wait for.
         yield from self._kernels.steps(query.coordinates, shape)
         completing = context.samples(query).sampler.prepare_steps(completely=True)
         yield from with_progress(PREPARING_SLICES, completing)
+        if self._estimates_errors and query.distance.needs_resolution:
+            yield from self._error_frames(context, query)
+
+    def _error_frames(self, context: ShapeContext, query: Query) -> Results:
+        """Estimate the error of the discretisation, where it is not known, and show what is shown with it."""
+        if context.discretisation(query) is not None:
+            return
+        try:
+            with small_products():
+                yield from with_progress(ESTIMATING, context.discretisation_steps(query))
+        except (ShapeError, np.linalg.LinAlgError):
+            return  # the picture stays as it is
+        yield from self._coarse_to_fine(context, query)
 
     def _preview_frames(self, previews: PreviewSource, shape: Shape, query: Query) -> Results:
         """Show what a preview has to show; nothing where there is none, or where it has no answer."""
@@ -191,12 +211,12 @@ class Pipeline:
                 self._eigenpairs.remark_unwritten(error)
 
     def _prepare_steps(
-        self, request: FrameRequest, cached: Cached, lambda_2: float | None
+        self, request: FrameRequest, cached: Cached, resolved: Resolved
     ) -> Generator[Progress, None, ShapeContext]:
         """Prepare a shape, or go on with it; from then on its context is the pipeline's."""
         query = request.query
         key = request.shape, query.distance.basis_key, query.coordinates
-        begin = partial(self._preparation, request, cached, lambda_2)
+        begin = partial(self._preparation, request, cached, resolved)
         context = yield from self._preparing.run(key, begin)
         self._context, self._view, self._looked_up = context, cached[1], None
         if self._previews is not None:
@@ -204,7 +224,7 @@ class Pipeline:
         return context
 
     def _preparation(
-        self, request: FrameRequest, cached: Cached, lambda_2: float | None
+        self, request: FrameRequest, cached: Cached, resolved: Resolved
     ) -> Generator[Progress, None, ShapeContext]:
         """Make what a query needs before a first frame: all, or the eigenpairs that are not known."""
         shape, query = request.shape, request.query
@@ -212,13 +232,13 @@ class Pipeline:
         if not view.is_there:
             yield from self._kernels.steps(query.coordinates, shape)
         if query.distance.spectral and spectrum is None:
-            spectrum = yield from self._compute_steps(shape, query.distance, lambda_2)
+            spectrum = yield from self._compute_steps(shape, query.distance, resolved.lambda_2)
         if shape.dimension == 3:  # a polygon leaves nothing that is worth the time
             release_free_memory()
         if self._context is not None and self._context.shape is shape:
             self._context.spectrum = spectrum
             return self._context
-        steps = solver_steps(shape, query.distance, query.coordinates, spectrum, "no")
+        steps = solver_steps(resolved.given, query.distance, query.coordinates, spectrum, resolved)
         solver = yield from with_progress(_stage(query.distance), steps)
         context = ShapeContext(solver, self._centre(request))
         view.restore(context, query)
@@ -273,27 +293,3 @@ def _throttled(shape: Shape, results: Results) -> Results:
 
 def _stage(distance: Distance) -> str:
     return f"Preparing the {distance.title.lower()}"
-
-
-def run_to_end(shape: Shape, query: Query, pipeline: Pipeline | None = None) -> Frame:
-    """Compute the finest, exact frame of a query, in this thread.
-
-    Args:
-        shape: a mesh or a polygon.
-        query: what to compute.
-        pipeline: one that may know something of the shape already; a new one by default.
-
-    Raises:
-        ValueError: the shape cannot carry the distance, or the coordinates do not work on it.
-        SourceError: the source lies outside the shape.
-    """
-    last: Frame | None = None
-    for result in (pipeline or Pipeline()).results(FrameRequest(shape, query)):
-        if isinstance(result, Failure):
-            raise result.error
-        if isinstance(result, Frame):
-            last = result
-        if last is not None and last.exact and last.query == query and isinstance(result, Progress):
-            break  # what follows is for frames to come
-    assert last is not None
-    return last

@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Generator
 from functools import partial
 
-from idviewer.core import Barycentroid, Distance, InteriorDistance, Spectrum
+from idviewer.core import (
+    Barycentroid,
+    Discretisation,
+    DiscretisationError,
+    Distance,
+    InteriorDistance,
+    Spectrum,
+)
 from idviewer.core.arrays import in_space
-from idviewer.core.interior import Preview, extent, solver_steps
+from idviewer.core.interior import Preview, discretisation_steps, extent, solver_steps
 from idviewer.core.sampling import BasisSamples
 from idviewer.core.steps import Resumable, without_shares
 from idviewer.session.state import Point, Query
@@ -33,13 +40,16 @@ class ShapeContext:
         nodes: int | None = None,
         preview: Preview | None = None,
     ) -> None:
-        self.shape, self.preview, self._nodes = solver.boundary.full_shape, preview, nodes
+        self.shape, self.preview, self._nodes = solver.boundary.section_shape, preview, nodes
+        self._resolved = solver.boundary.resolved
         self.spectrum: Spectrum | None = solver.spectrum if solver.boundary.distance.spectral else None
         self._bases: list[BasisSamples] = []
         self._found: dict[Kind, Point] = {}
         self._latest = centre
+        self._errors: dict[Kind, DiscretisationError] = {}
         self._preview_errors: dict[Distance, tuple[float, float]] = {}
         self._building: Resumable[float | None, InteriorDistance] = Resumable()
+        self._estimating: Resumable[None, Discretisation] = Resumable()
         self._searching: Resumable[float | None, Barycentroid] = Resumable()
         self._keep(solver)
 
@@ -67,7 +77,8 @@ class ShapeContext:
                 self._keep(one.solver.with_coordinates(query.coordinates))
                 return
         key = query.distance.basis_key, query.coordinates
-        begin = partial(solver_steps, self.shape, query.distance, query.coordinates, self.spectrum, "no")
+        of = query.distance, query.coordinates, self.spectrum, self._resolved
+        begin = partial(solver_steps, self._resolved.given, *of)
         self._keep((yield from self._building.run(key, begin)))
 
     def _keep(self, solver: InteriorDistance) -> None:
@@ -117,10 +128,25 @@ class ShapeContext:
             self._preview_errors[distance] = self.preview.error(distance), largest
         return self._preview_errors[distance]
 
+    def discretisation(self, query: Query) -> DiscretisationError | None:
+        """The errors by the discretisation of the boundary, where they are known."""
+        return self._errors.get(_kind(query))
+
+    def discretisation_steps(self, query: Query) -> Generator[None, None, None]:
+        """Estimate the errors by the discretisation of the boundary.
+
+        Raises:
+            ShapeError: they cannot be told.
+        """
+        solver = self.samples(query).solver.with_distance(query.distance)
+        estimating = self._estimating.run(_kind(query), partial(discretisation_steps, solver))
+        self._errors[_kind(query)] = (yield from estimating).summary
+
     def forget_half_done(self) -> None:
         """Drop what was closed half-way."""
         self._searching.forget()
         self._building.forget()
+        self._estimating.forget()
 
 
 def _kind(query: Query) -> Kind:

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Diffusion, Distance, Plane, Shape
+from idviewer.core import Diffusion, DiscretisationError, Distance, Plane, Shape
 from idviewer.core.sampling import SliceValues
 from idviewer.core.shapes import AXES
 from idviewer.core.spectrum import Refine
@@ -114,6 +114,8 @@ class Frame:
         remarks: what the user has to know of the values, one sentence each.
         preview: None, or of a picture made from a simplified mesh while the mesh's own eigenpairs are being
             computed, the estimated largest error of a distance as a share of the largest on the boundary.
+        discretisation: the estimated errors by the discretisation of the boundary; None where they are not
+            known yet, or there are none.
         refinement: in words, how many vertices were added to the boundary and why; empty where none were.
     """
 
@@ -132,6 +134,7 @@ class Frame:
     remarks: tuple[str, ...] = ()
     preview: float | None = None
     refinement: str = ""
+    discretisation: DiscretisationError | None = None
 
 
 @dataclass(frozen=True)

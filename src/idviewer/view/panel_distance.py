@@ -12,6 +12,7 @@ from idviewer.core import DISTANCES, Distance, Shape, parameters_of
 from idviewer.core.distances import File, Formula, missing_parameters
 from idviewer.session import Frame, State
 from idviewer.view.panel_coordinates import CoordinatesRow, fit
+from idviewer.view.panel_refinement import RefinementRow
 from idviewer.view.parameter_rows import Row, choice, row_for
 from idviewer.view.polygon_view import is_2d
 
@@ -45,7 +46,8 @@ class DistanceGroup(QGroupBox):
         }
         self.coordinates = CoordinatesRow(calls)
         layout = QVBoxLayout(self)
-        for row in (self.kind, *self.rows.values(), self.coordinates):
+        self.refinement = RefinementRow(calls)
+        for row in (self.kind, *self.rows.values(), self.coordinates, self.refinement):
             layout.addWidget(row)
 
     def show_state(self, state: State, frame: Frame | None) -> None:
@@ -61,6 +63,7 @@ class DistanceGroup(QGroupBox):
         # The frame may be one of a polygon whose vertices were where they are no longer.
         self._lambda_2 = frame.lambda_2 if frame is not None else None
         self.coordinates.show_state(state)
+        self.refinement.show_state(state, frame)
         self._show(self._waiting or distance)
 
     def _show_shape(self, shape: Shape | None, frame: Frame | None) -> None:

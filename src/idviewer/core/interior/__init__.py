@@ -2,6 +2,12 @@
 
 from idviewer.core.interior.assembly import boundary_steps
 from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior.discretisation import Discretisation, DiscretisationError
+from idviewer.core.interior.discretisation_levels import (
+    discretisation,
+    discretisation_steps,
+    shape_discretisation_steps,
+)
 from idviewer.core.interior.embedded_points import extent
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.interpolation import ERROR_SHARE_OF_AN_END
@@ -24,10 +30,14 @@ __all__ = [
     "ERROR_SHARE_OF_AN_END",
     "SIMPLIFYING_STAGE",
     "Barycentroid",
+    "Discretisation",
+    "DiscretisationError",
     "InteriorDistance",
     "Placement",
     "Preview",
     "boundary_steps",
+    "discretisation",
+    "discretisation_steps",
     "extent",
     "gram_distance",
     "interior_distance",
@@ -37,5 +47,6 @@ __all__ = [
     "preview_cutoff",
     "preview_solver",
     "preview_steps",
+    "shape_discretisation_steps",
     "solver_steps",
 ]

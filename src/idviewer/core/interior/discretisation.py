@@ -89,6 +89,23 @@ class DiscretisationError:
         """Of distances by both causes, as a share of the largest."""
         return self.distances + self.faces_distances
 
+    def scaled(self, factor: float) -> DiscretisationError:
+        """The errors of a finer level.
+
+        Args:
+            factor: how much smaller they are there.
+
+        >>> DiscretisationError(0.01, 0.02, 0.0, 0.01, 1.0).scaled(0.5).distances
+        0.01
+        """
+        return DiscretisationError(
+            factor * self.lambda_2,
+            factor * self.distances,
+            factor * self.faces_lambda_2,
+            factor * self.faces_distances,
+            self.largest,
+        )
+
     @property
     def serious(self) -> bool:
         """Whether it has to be told in words.

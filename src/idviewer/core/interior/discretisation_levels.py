@@ -10,7 +10,12 @@ from idviewer.core.distances import Distance, parameters_of
 from idviewer.core.distances.parameters import Number
 from idviewer.core.errors import ShapeError
 from idviewer.core.interior.assembly import boundary_steps
-from idviewer.core.interior.discretisation import DISCRETISATION, Comparison, Discretisation
+from idviewer.core.interior.discretisation import (
+    DISCRETISATION,
+    Comparison,
+    Discretisation,
+    DiscretisationError,
+)
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.interior.solver_steps import solver_steps
 from idviewer.core.shapes.mesh import Mesh
@@ -19,6 +24,7 @@ from idviewer.core.shapes.shape import Shape
 from idviewer.core.shapes.simplification import simplification_steps
 from idviewer.core.shapes.subdivision import bends, subdivided
 from idviewer.core.spectrum.eigen_solver import eigenpair_steps
+from idviewer.core.spectrum.resolution import Refine, Resolved
 from idviewer.core.steps import finish, without_shares
 
 Steps = Generator[None, None, Discretisation]
@@ -67,6 +73,39 @@ def discretisation_steps(solver: InteriorDistance) -> Steps:
     if isinstance(shape, Polygon) or len(shape.vertices) <= DISCRETISATION.finer_up_to:
         return (yield from _finer_steps(solver))
     return (yield from _simplified_steps(solver, shape))
+
+
+def shape_discretisation_steps(
+    shape: Shape, distance: Distance, refine: Refine = "auto"
+) -> Generator[None, None, tuple[Resolved, DiscretisationError]]:
+    """Refine a shape as a distance needs it, and estimate the errors that are left, in seconds at most.
+
+    Those of a large mesh are told by a simplified one, and fall with the number of vertices.
+
+    Args:
+        shape: a mesh or a polygon.
+        distance: on its boundary.
+        refine: as of `InteriorDistance`.
+
+    Raises:
+        ShapeError: the distance cannot be had on this shape.
+
+    >>> from idviewer.core import Diffusion
+    >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> resolved, error = finish(shape_discretisation_steps(square, Diffusion()))
+    >>> resolved.added, error.serious
+    (80, False)
+    """
+    resolved = yield from without_shares(boundary_steps(shape, distance, refine))
+    large, computed = DISCRETISATION.most_simplified, resolved.shape
+    if not isinstance(computed, Mesh) or len(computed.vertices) <= 2 * large:
+        steps = solver_steps(shape, distance, refine=resolved)
+        solver = yield from without_shares(steps)
+        return resolved, (yield from discretisation_steps(solver)).summary
+    simple = (yield from without_shares(simplification_steps(computed, large))).mesh
+    solver = yield from without_shares(solver_steps(simple, distance, refine="no"))
+    found = (yield from discretisation_steps(solver)).summary
+    return resolved, found.scaled(len(simple.vertices) / len(computed.vertices))
 
 
 def _coarser_steps(solver: InteriorDistance, coarser: Shape, length: float) -> Steps:

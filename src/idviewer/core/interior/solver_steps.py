@@ -9,7 +9,7 @@ from idviewer.core.interior.assembly import part_steps
 from idviewer.core.interior.solver import InteriorDistance, solver_of_parts
 from idviewer.core.shapes.shape import ShapeLike
 from idviewer.core.spectrum.eigen_solver import Spectrum
-from idviewer.core.spectrum.resolution import Refine
+from idviewer.core.spectrum.resolution import Refine, Resolved
 
 
 def solver_steps(
@@ -17,7 +17,7 @@ def solver_steps(
     distance: Distance,
     coordinates: str = "mean_value",
     spectrum: Spectrum | None = None,
-    refine: Refine = "auto",
+    refine: Refine | Resolved = "auto",
 ) -> Generator[float | None, None, InteriorDistance]:
     """Make an exact `InteriorDistance`; yields the share done, or None, every few milliseconds.
 

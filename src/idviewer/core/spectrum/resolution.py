@@ -162,7 +162,7 @@ def resolved_steps(
     >>> from idviewer.core.steps import finish
     >>> square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
     >>> finish(resolved_steps(square)).remark()
-    '4 -> 88 vertices, since its edges are too long for the modes that count'
+    '4 -> 84 vertices, since its edges are too long for the modes that count'
     """
     refine = checked_refinement(refine)
     if refine == "no" or not isinstance(shape, Mesh | Polygon):
