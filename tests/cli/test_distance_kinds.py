@@ -46,7 +46,7 @@ class TestKindsOfDistance:
     @pytest.mark.slow
     def test_a_time_in_words_and_in_a_barycentroid(self, run: Run, body: str) -> None:
         answer = run("distance", body, "--from", INSIDE, "--to", "0.5,0,1", "--time", "0.5")
-        assert "(Diffusion distance, t = 0.5)" in answer.out
+        assert "(Diffusion distance, t = 0.5; " in answer.out
         assert json.loads(run("barycentroid", body, "--json", "--time", "0.5").out)["time"] == 0.5
 
     @pytest.mark.one_is_quick
@@ -105,8 +105,8 @@ class TestParameters:
                 "(Geodesic distance; 20 l",
             ),
             (("--distance", "filter", "--set", "filter=1 / lambda"), "(Spectral filter 1 / lambda, "),
-            (("--distance", "commute"), "(Commute-time distance)"),
-            (("--set", "time=0.5"), "(Diffusion distance, t = 0.5)"),
+            (("--distance", "commute"), "(Commute-time distance; "),
+            (("--set", "time=0.5"), "(Diffusion distance, t = 0.5; "),
         ):
             answer = run("distance", body, *self.ENDS, *options)
             assert answer.status == 0

@@ -99,6 +99,8 @@ class TestPolygons:
             "unit": "not told by the file",
             "area": "6",
             "perimeter": "14",
+            "refinement": told["refinement"],
+            "discretisation": told["discretisation"],
             "faults": "none",
             "usable": "yes",
         }
