@@ -31,6 +31,8 @@ class DiscretisationSettings:
             simplified one.
         simplified: of the vertices, that the simplified one has.
         most_simplified: vertices that it has at most.
+        coarseness: how many times as long edges are on the coarser level of a refined boundary; the second is
+            tried where the first is too coarse for as many modes.
         least_ratio: of the finer to the coarser level's vertices.
         safety: factor on what the theory makes of the difference to a coarser level, for boundaries whose
             corners keep errors from falling with the square of the length.
@@ -47,7 +49,8 @@ class DiscretisationSettings:
     finer_up_to: int = 1500
     simplified: float = 0.25
     most_simplified: int = 6000
-    least_ratio: float = 2.0
+    coarseness: tuple[float, ...] = (2.0, 1.4)
+    least_ratio: float = 1.5
     safety: float = 2.0
     finer_safety: float = 1.25
     same_fineness: float = 0.2

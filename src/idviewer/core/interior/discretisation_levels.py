@@ -63,9 +63,11 @@ def discretisation_steps(solver: InteriorDistance) -> Steps:
     resolved = solver.boundary.resolved
     given = cast(Mesh | Polygon, resolved.given)
     if resolved.added and resolved.edge_length is not None:
-        length = 2.0 * resolved.edge_length
-        coarser = given.refined(length)
-        if DISCRETISATION.least_ratio * len(coarser.vertices) <= len(shape.vertices):
+        for coarseness in DISCRETISATION.coarseness:
+            length = coarseness * resolved.edge_length
+            coarser = given.refined(length)
+            if DISCRETISATION.least_ratio * len(coarser.vertices) > len(shape.vertices):
+                break
             try:
                 return (yield from _coarser_steps(solver, coarser, length))
             except ShapeError:
