@@ -25,6 +25,7 @@ import machine
 import memory
 import opening
 import preparation
+import refinement
 import sliders
 import spectrum
 import tree
@@ -57,6 +58,7 @@ SUBJECTS: dict[str, ModuleType] = {
         preparation,
         spectrum,
         opening,
+        refinement,
     )
 }
 

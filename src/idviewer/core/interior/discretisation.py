@@ -4,7 +4,7 @@ It has two causes, which are estimated apart. Functions are linear on *edges* an
 a boundary with edges twice as long, or half as long, tell how much that matters, for such errors fall with
 the square of the edges' length. And *faces* may stand for a smooth body, whose chords they are: where they
 meet at small angles, the same distances in the body that a curved subdivision makes of them tell of that. See
-docs/eigenpairs.md.
+docs/resolution.md.
 """
 
 from __future__ import annotations

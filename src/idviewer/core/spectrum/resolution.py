@@ -2,7 +2,7 @@
 
 Functions on a boundary are linear along its edges and on its faces. A mode of eigenvalue lambda has the
 wavelength 2 pi / sqrt(lambda), and with fewer than some eight edges to it the eigenpairs are those of another
-problem. Modes that hardly weigh need not be resolved. See docs/eigenpairs.md.
+problem. Modes that hardly weigh need not be resolved. See docs/resolution.md.
 """
 
 from __future__ import annotations
