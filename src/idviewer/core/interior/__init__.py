@@ -2,6 +2,12 @@
 
 from idviewer.core.interior.assembly import boundary_steps
 from idviewer.core.interior.barycentroid import Barycentroid
+from idviewer.core.interior.descriptors import (
+    DESCRIPTORS,
+    ShapeDescriptors,
+    descriptor_differences,
+    shape_descriptors,
+)
 from idviewer.core.interior.discretisation import Discretisation, DiscretisationError
 from idviewer.core.interior.discretisation_levels import (
     discretisation,
@@ -21,11 +27,13 @@ from idviewer.core.interior.preview import (
     preview_steps,
 )
 from idviewer.core.interior.preview_solver import preview_solver
+from idviewer.core.interior.random_points import random_interior_points
 from idviewer.core.interior.single_call import interior_distance
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.interior.solver_steps import solver_steps
 
 __all__ = [
+    "DESCRIPTORS",
     "EIGENPAIRS_STAGE",
     "ERROR_SHARE_OF_AN_END",
     "SIMPLIFYING_STAGE",
@@ -35,7 +43,9 @@ __all__ = [
     "InteriorDistance",
     "Placement",
     "Preview",
+    "ShapeDescriptors",
     "boundary_steps",
+    "descriptor_differences",
     "discretisation",
     "discretisation_steps",
     "extent",
@@ -47,6 +57,8 @@ __all__ = [
     "preview_cutoff",
     "preview_solver",
     "preview_steps",
+    "random_interior_points",
+    "shape_descriptors",
     "shape_discretisation_steps",
     "solver_steps",
 ]
