@@ -17,6 +17,7 @@ from dataclasses import asdict
 from pathlib import Path
 from types import ModuleType
 
+import batch_growth
 import drag
 import event_loop
 import growth
@@ -59,6 +60,7 @@ SUBJECTS: dict[str, ModuleType] = {
         spectrum,
         opening,
         refinement,
+        batch_growth,
     )
 }
 

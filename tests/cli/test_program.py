@@ -22,7 +22,17 @@ class TestProgram:
         assert run("--version") == (0, idviewer.__version__ + "\n", "")
 
     @pytest.mark.parametrize(
-        "verb", [(), ("render",), ("distance",), ("barycentroid",), ("info",), ("samples",)]
+        "verb",
+        [
+            (),
+            ("render",),
+            ("distance",),
+            ("barycentroid",),
+            ("info",),
+            ("samples",),
+            ("batch",),
+            ("compare",),
+        ],
     )
     def test_help(self, run: Run, verb: tuple[str, ...]) -> None:
         answer = run(*verb, "--help")

@@ -16,6 +16,8 @@ from cyclopts import App, CycloptsError
 
 import idviewer
 from idviewer.cli import commands, discretisation, distance_options, output, parsing, point_distances
+from idviewer.cli import commands, distance_options, output, parsing, point_distances
+from idviewer.cli.collection_options import CollectionOptions, ComparisonOptions, OutputOptions
 from idviewer.cli.options import (
     BodyChoice,
     DisplayOptions,
@@ -31,7 +33,7 @@ from idviewer.cli.options import (
 )
 
 BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
-DISTANCE_COMMANDS = ("render", "distance", "barycentroid")
+DISTANCE_COMMANDS = ("render", "distance", "barycentroid", "batch", "compare")
 """The commands that take a distance."""
 
 FALLBACK_PICTURE = Path("idviewer.png")
@@ -212,6 +214,45 @@ def repair(
     path = parsing.path_of(mesh)
     mesh_repair.check_output(out, path, overwrite)
     print(mesh_repair.repaired(path, out, parsing.repairs_of(repairs), choice, json))
+
+
+@app.command
+def batch(
+    *files: str,
+    out: Path,
+    collection: CollectionOptions = CollectionOptions(),
+    outputs: OutputOptions = OutputOptions(),
+    options: DistanceOptions = DistanceOptions(),
+    reading: ReadingOptions = ReadingOptions(),
+) -> int:
+    """Compute many shapes, on all cores or many machines; exit status 1 if some of them failed.
+
+    What is in the folder of results already, made of the same files with the same options, is kept.
+
+    Args:
+        files: Files, folders, patterns such as "scans/*.ply", or names of bundled shapes.
+        out: The folder of the results: a JSON file a shape, what else is asked for, and a table of all.
+    """
+    from idviewer.cli import batch_command
+
+    return batch_command.run(files, out, collection, outputs, options, reading)
+
+
+@app.command
+def compare(
+    *files: str,
+    wanted: ComparisonOptions = ComparisonOptions(),
+    options: DistanceOptions = DistanceOptions(),
+    reading: ReadingOptions = ReadingOptions(),
+) -> int:
+    """Print how much shapes differ by their descriptors, a matrix; exit status 1 if some could not be read.
+
+    Args:
+        files: Shapes, as `batch` takes them, its JSON files, or its folders of results.
+    """
+    from idviewer.cli import compare_command
+
+    return compare_command.run(files, wanted, options, reading)
 
 
 @app.command

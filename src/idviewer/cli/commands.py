@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,8 +30,16 @@ def box_in_words(shape: Shape) -> str:
     return f"whose bounding box is {' to '.join(corners)}"
 
 
-def solver_of(shape: Shape, chosen: ChosenDistance, cache: SpectrumCache | None) -> InteriorDistance:
-    """The solver of a shape, with its eigenpairs read or computed; `print_remarks` says what it warns of."""
+def solver_of(
+    shape: Shape,
+    chosen: ChosenDistance,
+    cache: SpectrumCache | None,
+    beforehand: Callable[[Shape], None] = lambda refined: None,
+) -> InteriorDistance:
+    """The solver of a shape, with its eigenpairs read or computed; `print_remarks` says what it warns of.
+
+    Beforehand somebody may look at the boundary that will be computed on.
+    """
     from idviewer.core import InteriorDistance
     from idviewer.core.interior import boundary_steps
     from idviewer.core.steps import finish
@@ -41,6 +49,7 @@ def solver_of(shape: Shape, chosen: ChosenDistance, cache: SpectrumCache | None)
     distance = chosen.distance
     resolved = finish(boundary_steps(shape, distance, chosen.refine))
     pairs, boundary = EigenpairSource(cache), resolved.shape
+    beforehand(boundary)
     spectrum = finish(pairs.steps(boundary, distance, resolved.lambda_2)) if distance.spectral else None
     finish(pairs.keep_steps())
     refined = resolved.remark(0 if spectrum is None else len(spectrum.values))

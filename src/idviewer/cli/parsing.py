@@ -132,6 +132,17 @@ def check_picture_path(path: Path) -> None:
     """Refuse what cannot be written before anything is computed."""
     if path.suffix.lower() != ".png":
         raise ValueError(f"{path}: pictures are written as PNG; name a file that ends in .png")
+    _check_new_file(path)
+
+
+def check_table_path(path: Path) -> None:
+    """Refuse what cannot be written before anything is computed."""
+    if path.suffix.lower() != ".csv":
+        raise ValueError(f"{path}: tables are written as CSV; name a file that ends in .csv")
+    _check_new_file(path)
+
+
+def _check_new_file(path: Path) -> None:
     if path.is_dir():
         raise ValueError(f"{path}: this is a folder; name a file in it")
     if not path.parent.is_dir():

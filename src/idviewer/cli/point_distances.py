@@ -79,7 +79,7 @@ def from_source(
     data = sys.stdin.buffer.read() if name == STANDARD_STREAM else Path(name).read_bytes()
     body = shape()
     source = parsing.source_of(text, body.dimension)
-    table = _table_of(data, name, body.dimension)
+    table = table_of(data, name, body.dimension)
     solver = commands.solver_of(body, chosen, cache)
     if source is None:
         source = tuple(solver.barycentroid().point.tolist())
@@ -156,7 +156,12 @@ def _check_out(out: str | None) -> None:
         raise ValueError(f"--out {out}: there is no folder {path.parent}; make it first")
 
 
-def _table_of(data: bytes, name: str, dimension: int) -> PointTable:
+def table_of(data: bytes, name: str, dimension: int) -> PointTable:
+    """The table of points in a file of that name.
+
+    Raises:
+        ValueError: it is none.
+    """
     from idviewer.core.io import UnreadableError, read_points
 
     try:
