@@ -25,7 +25,7 @@ OUTLINE = Polygon([[0, 0], [3, 0], [3, 1], [1, 1], [1, 2], [0, 2]]).resampled(40
 
 @pytest.fixture(scope="module")
 def solver() -> InteriorDistance:
-    return InteriorDistance(MESH)
+    return InteriorDistance(MESH, refine="no")
 
 
 @pytest.mark.slow

@@ -86,13 +86,15 @@ def _second(laplacian: sparse.csc_array, masses: Floats, shift: float) -> float:
     if len(masses) < 20:
         roots = np.sqrt(masses)
         return float(np.linalg.eigvalsh(laplacian.toarray() / roots[:, None] / roots)[1])
+    # Powers of two, which round nothing, near the size of either: squares of masses then stay floats.
+    stiffness, mass = (2.0 ** np.frexp(abs(one).max())[1] for one in (laplacian, masses))
     values = eigsh(
-        laplacian,
+        laplacian / stiffness,
         2,
-        sparse.csc_array(sparse.diags_array(masses)),
-        sigma=shift,
+        sparse.csc_array(sparse.diags_array(masses / mass)),
+        sigma=shift * (mass / stiffness),
         return_eigenvectors=False,
         tol=ACCURACY,
         v0=start,
     )
-    return float(values.max())
+    return float(values.max()) * float(stiffness / mass)
