@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.core import meshfiles, shapes
 
+from idviewer.core import DistanceError, Polygon
+from idviewer.core.distances.matrix_input import RowsOfVertices
 from idviewer.core.io import read_mesh, read_polygon
 from idviewer.core.io.listed_points import without_repeated_points
 from idviewer.core.shapes.mesh import Mesh
@@ -117,6 +119,20 @@ def test_copies_and_new_points_are_followed():
     assert not copied.trivial
     dropped = copied.renumbered(np.array([0, -1, 1, 2]))
     assert (dropped.became.tolist(), dropped.origins.tolist()) == ([-1, -1, 0], [2, -1, 1])
+
+
+def test_a_refined_shape_knows_which_vertices_are_the_files():
+    soup = shapes.soup(shapes.cube())
+    for shape in (repair_mesh(*soup), Polygon(SQUARE)):
+        fine = shape.refined(0.4)
+        assert np.array_equal(fine.file_vertices, shape.file_vertices)
+        count = len(shape.vertices)
+        assert fine.numbering.origins[:count].tolist() == shape.numbering.origins.tolist()
+        assert set(fine.numbering.origins[count:].tolist()) == {-1}
+        back = fine.numbering.in_file_order(fine.vertices)
+        assert np.array_equal(back, shape.vertices[shape.file_vertices])
+        with pytest.raises(DistanceError, match="were made by a repair or a refinement, and have no rows"):
+            RowsOfVertices("embedding").of(np.ones((len(shape.file_vertices), 1)), fine)
 
 
 SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]

@@ -192,8 +192,8 @@ def _carried(array: Floats, count: _RowCount, both: bool) -> Floats:
     made = int(np.count_nonzero(origins < 0))
     if made:
         raise DistanceError(
-            f"{count.where}: a repair made {made:,} of the shape's vertices, which have no rows; "
-            "write the repaired shape to a file, and give one row for each vertex of that"
+            f"{count.where}: {made:,} of the shape's vertices were made by a repair or a refinement, and "
+            "have no rows; write that shape to a file, and give one row for each vertex of it"
         )
     # Rows of vertices that are not in the shape may hold anything: their distances are often infinite.
     kept = np.flatnonzero(became >= 0)

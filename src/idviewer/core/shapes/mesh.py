@@ -180,7 +180,7 @@ class Mesh(Labelled):
             made = Mesh(*refined_arrays(self.vertices, self.faces, edge_length), self.name)
         except MeshError:  # rounding spoilt an exchange of edges
             made = Mesh(*refined_arrays(self.vertices, self.faces, edge_length, exchanging=False), self.name)
-        object.__setattr__(made, "numbering", self.numbering)
+        object.__setattr__(made, "numbering", self.numbering.extended(len(made.vertices)))
         return made.with_labels(notes=self.notes, unit=self.unit)
 
     def __repr__(self) -> str:

@@ -211,7 +211,7 @@ class Polygon(Labelled):
             raise self._named(error) from None
         polygon = object.__new__(Polygon)
         polygon._label(self.name, self.notes, self.unit)
-        polygon._fill(*arrays)
+        polygon._fill(*arrays, self.numbering.extended(len(arrays[0])))
         return polygon
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:

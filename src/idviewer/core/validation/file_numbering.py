@@ -102,6 +102,18 @@ class FileNumbering:
         origins[became[kept]] = self.origins[kept]
         return FileNumbering(_followed(self.became, became), origins, max(self.gap, gap), self.closing)
 
+    def extended(self, count: int) -> FileNumbering:
+        """The numbering after new vertices were put behind those that there are.
+
+        Args:
+            count: of all vertices then.
+
+        >>> FileNumbering.unchanged(2).extended(3).origins.tolist()
+        [0, 1, -1]
+        """
+        before = len(self.origins)
+        return self.split(np.append(np.arange(before), np.full(count - before, -1)))
+
     def with_closing(self, closing: Ints) -> FileNumbering:
         """The numbering of a polygon's file that repeats first points to close loops.
 
