@@ -16,7 +16,6 @@ from cyclopts import App, CycloptsError
 
 import idviewer
 from idviewer.cli import commands, discretisation, distance_options, output, parsing, point_distances
-from idviewer.cli import commands, distance_options, output, parsing, point_distances
 from idviewer.cli.collection_options import CollectionOptions, ComparisonOptions, OutputOptions
 from idviewer.cli.options import (
     BodyChoice,

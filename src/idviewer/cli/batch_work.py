@@ -147,9 +147,9 @@ def _cache(own: bool, reading: ReadingOptions) -> Generator[SpectrumCache | None
 def _health(task: Task, reading: ReadingOptions) -> dict[str, Any]:
     """What `idviewer info --json` tells of the shape."""
     report = shape_info.polygon if shape_info.is_polygon(task.path) else shape_info.mesh
-    told: dict[str, Any] = json.loads(
-        report(task.name, task.path, reading.part, parsing.repairs_of(reading), True)[0]
-    )
+    refine = distance_options.refinement_of(_distance(task.options).refine)
+    repairs = parsing.repairs_of(reading)
+    told: dict[str, Any] = json.loads(report(task.name, task.path, reading.part, repairs, refine, True)[0])
     return told
 
 
