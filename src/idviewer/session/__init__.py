@@ -6,6 +6,7 @@ from idviewer.session.pipeline import Pipeline
 from idviewer.session.planes import PlaneCommands, active_plane, axis_of
 from idviewer.session.previews import describe_preview
 from idviewer.session.run_to_end import run_to_end
+from idviewer.session.repair_desk import RepairDesk
 from idviewer.session.runner import Runner, Work
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache
@@ -13,8 +14,11 @@ from idviewer.session.state import (
     MAX_ISOLINES,
     Display,
     DropRequest,
+    Examined,
+    ExamineRequest,
     Failure,
     Finished,
+    Foretold,
     Frame,
     FrameRequest,
     Opened,
@@ -24,8 +28,11 @@ from idviewer.session.state import (
     Quantity,
     Query,
     Ready,
+    Repaired,
+    RepairRequest,
     Request,
     Result,
+    Snapshot,
     State,
     default_plane,
 )
@@ -35,8 +42,11 @@ __all__ = [
     "Display",
     "DropRequest",
     "EigenpairSource",
+    "ExamineRequest",
+    "Examined",
     "Failure",
     "Finished",
+    "Foretold",
     "Frame",
     "FramePicker",
     "FrameRequest",
@@ -50,10 +60,14 @@ __all__ = [
     "Quantity",
     "Query",
     "Ready",
+    "RepairDesk",
+    "RepairRequest",
+    "Repaired",
     "Request",
     "Result",
     "Runner",
     "Session",
+    "Snapshot",
     "SpectrumCache",
     "State",
     "Target",

@@ -10,13 +10,14 @@ from time import perf_counter
 
 import numpy as np
 
-from idviewer.core import Distance, Polygon, Shape, ShapeError, Spectrum, read_shape
+from idviewer.core import Distance, Polygon, Shape, ShapeError, Spectrum
 from idviewer.core.interior import solver_steps
 from idviewer.core.memory import release_free_memory
 from idviewer.core.sampling import SourceError
-from idviewer.core.spectrum import Resolved, check_memory
+from idviewer.core.spectrum import Resolved
 from idviewer.core.steps import Resumable, map_steps
 from idviewer.core.threads import few_threads, small_products
+from idviewer.session.body_work import body_results
 from idviewer.session.boundary_source import BoundarySource
 from idviewer.session.cached_view import CachedView
 from idviewer.session.eigenpair_source import READING, REFINING, EigenpairSource
@@ -28,15 +29,16 @@ from idviewer.session.shape_context import ShapeContext
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
     DropRequest,
+    ExamineRequest,
     Failure,
     Frame,
     FrameRequest,
-    Opened,
     OpenRequest,
     Point,
     Progress,
     Query,
     Ready,
+    RepairRequest,
     Request,
     Result,
     default_plane,
@@ -87,13 +89,10 @@ class Pipeline:
         """Answer a request piece by piece; None is a checkpoint at which to stop or go on."""
         try:
             match request:
-                case OpenRequest():
-                    yield Progress(f"Reading {request.path.name}")
-                    shape = read_shape(request.path, request.component, part=request.part)
-                    check_memory(shape)  # what is open stays
-                    yield Opened(shape, request.path)
                 case FrameRequest():
                     yield from _throttled(request.shape, self._answers(request))
+                case OpenRequest() | ExamineRequest() | RepairRequest():
+                    yield from body_results(request)
                 case DropRequest():
                     self._forget_half_done()
         except (

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 
 from idviewer.core.memory import release_free_memory
 from idviewer.session.state import (
+    BodyRequest,
     DropRequest,
     Failure,
     Finished,
     Frame,
     FrameRequest,
-    OpenRequest,
     Progress,
     Request,
     Result,
@@ -28,7 +28,7 @@ class Runner:
 
     Between two yields it looks for a newer request. A request for frames is left for a newer one only
     while it reports progress or after its first frame, or a fast drag would freeze the picture; for
-    opening, dropping and closing it is left at once.
+    opening, examining, repairing, dropping and closing it is left at once.
 
     Args:
         work: from a request to its results; called and iterated in the compute thread only.
@@ -92,7 +92,7 @@ class Runner:
     def _leave(self, interruptible: bool) -> bool:
         """Whether to stop working on the present request."""
         with self._changed:
-            urgent = isinstance(self._pending, OpenRequest | DropRequest)
+            urgent = isinstance(self._pending, BodyRequest | DropRequest)
             return self._closing or urgent or (interruptible and self._pending is not None)
 
     def _send(self, request: Request, result: Result) -> None:

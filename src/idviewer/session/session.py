@@ -7,31 +7,43 @@ from dataclasses import replace
 from pathlib import Path
 from weakref import WeakSet
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from idviewer.core import Diffusion, Plane, Polygon, Shape
-from idviewer.core.distances import missing_parameters, with_defaults
+from idviewer.core import Shape
 from idviewer.core.shapes import Ray
+from idviewer.session.carried_query import (
+    frames_of,
+    is_complete,
+    query_on_another,
+    query_on_repaired,
+    state_reshaped,
+    state_through_centre,
+)
 from idviewer.session.picking import FramePicker, Probe, Target, pick
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.runner import Runner, Work
 from idviewer.session.signal import Signal
 from idviewer.session.spectrum_cache import SpectrumCache
 from idviewer.session.state import (
+    BodyRequest,
     DropRequest,
+    Examined,
+    ExamineRequest,
     Failure,
     Finished,
+    Foretold,
     Frame,
     FrameRequest,
     Opened,
     OpenRequest,
     Progress,
     Ready,
+    Repaired,
+    RepairRequest,
     Request,
     Result,
+    Snapshot,
     State,
-    default_plane,
 )
 
 Post = Callable[[Callable[[], None]], None]
@@ -48,6 +60,7 @@ class Session:
     Attributes:
         state: the shape, the query and the display.
         cache: where eigenpairs are kept from one run to the next; None for nowhere.
+        path: of the file that the shape was read from; None for a shape handed over.
         frame: the last frame of this shape; None until there is one. While vertices are dragged, its shape
             may still be the one before.
         ready: modes and barycentroid of this shape; None until they are known.
@@ -57,6 +70,7 @@ class Session:
         prepared: Signal(ready), once for each shape, and again when another distance uses other modes.
         frame_ready: Signal(frame) for each frame to draw.
         progressed: Signal(progress) while work goes on, Signal(None) when it ends.
+        answered: Signal(request, result) of what was asked by `ask`.
         failed: Signal(error) when something asked for could not be done.
     """
 
@@ -67,9 +81,10 @@ class Session:
         self.ready: Ready | None = None
         self.busy = False
         self.changed, self.opened, self.prepared = Signal(), Signal(), Signal()
-        self.frame_ready, self.progressed, self.failed = Signal(), Signal(), Signal()
+        self.frame_ready, self.progressed, self.failed, self.answered = (Signal() for _ in range(4))
         self._picker: FramePicker | None = None
-        self._reading: OpenRequest | None = None
+        self.path: Path | None = None
+        self._reading: BodyRequest | None = None
         self._pending: FrameRequest | None = None
         self._revisions: WeakSet[Shape] = WeakSet()
         """The shape that was opened, and what became of it by moving its vertices."""
@@ -82,10 +97,10 @@ class Session:
         self._reading = OpenRequest(Path(path), component, part)
         self._start(self._reading)
 
-    def show(self, shape: Shape) -> None:
+    def show(self, shape: Shape, path: Path | None = None) -> None:
         """Show a shape in memory; planes, source and the distance's parameters become the defaults."""
         self._reading = None
-        self._show(shape, None)
+        self._show(shape, path)
 
     def set(self, **fields: object) -> None:
         """Change fields of the query or the display, by name; equal values do nothing.
@@ -93,10 +108,7 @@ class Session:
         Raises:
             TypeError: neither a query nor a display has such a field.
         """
-        new = self.state.with_(**fields)
-        if new == self.state:
-            return
-        self._change(new)
+        self._change(self.state.with_(**fields))
 
     def reshape(self, vertices: ArrayLike) -> None:
         """Move the vertices of the polygon shown; a source that this leaves outside becomes the barycentroid.
@@ -111,16 +123,44 @@ class Session:
             PolygonError: they make no simple polygon; the state stays as it was.
             ValueError: what is shown is no polygon.
         """
-        shape, source = self.state.shape, self.state.query.source
-        if not isinstance(shape, Polygon):
-            raise ValueError("only the vertices of a polygon can be moved; open one first")
-        polygon = shape.with_vertices(vertices)
-        if np.array_equal(polygon.vertices, shape.vertices):
-            return
-        if source is not None and not polygon.contains([source[:2]])[0]:
-            source = None
-        self._revisions.add(polygon)
-        self._change(replace(self.state, shape=polygon, query=replace(self.state.query, source=source)))
+        new = state_reshaped(self.state, vertices)
+        if new is not self.state and new.shape is not None:
+            self._revisions.add(new.shape)
+            self._change(new)
+
+    def ask(self, request: ExamineRequest | RepairRequest) -> bool:
+        """Have a body examined or repaired, and `answered` tell; return whether no file is being read."""
+        if isinstance(self._reading, OpenRequest):
+            return False
+        self._reading = request
+        self._start(request)
+        return True
+
+    def swap(self, shape: Shape, path: Path | None) -> None:
+        """Show the shape shown after its repair; of the query, all stays that means something on it."""
+        self._reading = None
+        self._forget_frames(shape)
+        self.path = path
+        self._change(replace(self.state, shape=shape, query=query_on_repaired(self.state.query, shape)))
+
+    def snapshot(self) -> Snapshot:
+        """Everything that is shown, to come back to by `restore`."""
+        return Snapshot(self.state, self.path, self.frame, self.ready)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Show again what was shown; it is computed where it was not ready."""
+        self._reading = self._pending = None
+        self._runner.submit(DropRequest())
+        self._forget_frames(snapshot.state.shape)
+        self.path = snapshot.path
+        old, self.state = self.state, snapshot.state
+        self.changed.emit(old, self.state)
+        if snapshot.ready is not None:
+            self.ready = snapshot.ready
+            self.prepared.emit(snapshot.ready)
+        if snapshot.frame is not None:
+            self._accept(snapshot.frame)
+        self._go_on()
 
     def click(self, ray: Ray, target: Target = "slice-or-body") -> None:
         """Set the source where the ray meets a slice or the body; nothing happens where it misses."""
@@ -155,22 +195,20 @@ class Session:
         self._runner.close()
 
     def _show(self, shape: Shape, path: Path | None) -> None:
-        self.frame = self.ready = self._picker = None
-        self._cancelled = False
-        self._revisions = WeakSet([shape])
-        # A plane, a source, a diffusion time and a length mean nothing on another shape.
-        distance = with_defaults(self.state.query.distance)
-        if missing_parameters(distance):
-            distance = Diffusion()
-        planes = (default_plane(shape),) if shape.dimension == 3 else ()
-        refine = self.state.query.refine if isinstance(self.state.query.refine, str) else "auto"
-        query = replace(self.state.query, planes=planes, source=None, distance=distance, refine=refine)
+        self._forget_frames(shape)
+        self.path = path
+        query = query_on_another(self.state.query, shape)
         display = replace(self.state.display, active_plane=0)
         shown = self.state.shape, self.state.query
         self._change(State(shape, query, display))
         if shown == (shape, query):  # shown again: nothing has changed, and there is no frame any more
             self._compute()
         self.opened.emit(shape, path)
+
+    def _forget_frames(self, shape: Shape | None) -> None:
+        self.frame = self.ready = self._picker = None
+        self._cancelled = False
+        self._revisions = WeakSet([] if shape is None else [shape])
 
     def _change(self, new: State) -> None:
         old, self.state = self.state, new
@@ -182,11 +220,8 @@ class Session:
 
     def _compute(self) -> None:
         # While a shape is being read, its request must not be replaced; afterwards the state is computed.
-        shape = self.state.shape
-        if shape is not None and self._reading is None:
-            moved = self.frame is not None and self.frame.shape is not shape
-            x, y, z = self.frame.barycentroid.tolist() if self.frame is not None else (0.0, 0.0, 0.0)
-            self._pending = FrameRequest(shape, self.state.query, (x, y, z) if moved else None)
+        if self.state.shape is not None and self._reading is None:
+            self._pending = frames_of(self.state, self.frame)
             self._start(self._pending)
 
     def _start(self, request: Request) -> None:
@@ -200,6 +235,11 @@ class Session:
         match result:
             case Progress():
                 self.progressed.emit(result)
+            case Examined() | Foretold() | Repaired():
+                self._reading = None
+                self.answered.emit(request, result)
+                if self._reading is None:
+                    self._go_on()
             case Opened():
                 self._reading = None
                 self._show(result.shape, result.path)
@@ -214,24 +254,17 @@ class Session:
                     self._finish()
 
     def _awaits(self, request: Request) -> bool:
-        if isinstance(request, OpenRequest):
+        if isinstance(request, BodyRequest):
             return request is self._reading
         # A frame of an older query is still wanted: it is all there is to see during a fast drag.
-        return (
-            isinstance(request, FrameRequest)
-            and request.shape in self._revisions
-            and self._pending is not None
-        )
+        wanted = isinstance(request, FrameRequest) and request.shape in self._revisions
+        return wanted and self._pending is not None
 
     def _accept_ready(self, ready: Ready) -> None:
         if not ready.preview:
             self.ready = ready
             self.prepared.emit(ready)
-        if ready.shape.dimension == 3 and self.state.query.planes == (default_plane(ready.shape),):
-            # Where the user has not chosen a plane, show the one through the shape's centre.
-            x, y, z = ready.barycentroid.tolist()
-            plane = ready.plane or Plane((x, y, z), self.state.query.planes[0].normal)
-            self._change(self.state.with_(planes=(plane,)))
+        self._change(state_through_centre(self.state, ready))
 
     def _accept(self, frame: Frame) -> None:
         self.frame = frame
@@ -239,29 +272,24 @@ class Session:
         self.frame_ready.emit(frame)
 
     def _fail(self, request: Request, error: Exception) -> None:
-        if request is self._reading:
-            self._reading = None
-            self._pending = None
-            self._finish()
-            self.failed.emit(error)
-            if self.state.shape is not None and not self._cancelled and not self._complete():
-                self._compute()
-        elif request is self._pending:
-            self._pending = None
-            self._finish()
-            self.failed.emit(error)
-            self._go_back()
-
-    def _go_back(self) -> None:
-        """After a query that failed, return to the one whose frame is shown."""
-        if self.frame is not None and self.frame.query != self.state.query:
+        reading = request is self._reading
+        if not reading and request is not self._pending:
+            return
+        self._reading = self._pending = None
+        self._finish()
+        self.failed.emit(error)
+        if reading:
+            self._go_on()
+        elif self.frame is not None:  # return to the query whose frame is shown
             self._change(replace(self.state, query=self.frame.query))
 
-    def _complete(self) -> bool:
-        frame = self.frame
-        if frame is None or frame.shape is not self.state.shape:
-            return False
-        return frame.exact and frame.query == self.state.query
+    def _go_on(self) -> None:
+        """Compute what is shown where that is not done, or else rest."""
+        if self.state.shape is not None and not self._cancelled and not is_complete(self.frame, self.state):
+            self._compute()
+        else:
+            self._pending = None
+            self._finish()
 
     def _finish(self) -> None:
         self.busy = False

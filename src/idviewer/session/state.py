@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from idviewer.core import Diffusion, DiscretisationError, Distance, Plane, Shape
+from idviewer.core import Diffusion, Distance, Mesh, Plane, Repairs, Shape
 from idviewer.core.sampling import SliceValues
-from idviewer.core.shapes import AXES
+from idviewer.core.shapes import AXES, Health, RawBody, RepairOutcome
 from idviewer.core.spectrum import Refine
 
 Quantity = Literal["distance", "potential"]
@@ -138,6 +139,16 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class Snapshot:
+    """Everything that is shown: the state, the file it came from, the last frame, and what is known of it."""
+
+    state: State
+    path: Path | None
+    frame: Frame | None
+    ready: Ready | None
+
+
+@dataclass(frozen=True)
 class Progress:
     """A stage of long work, in words for the user, and the share done (None where it cannot be told)."""
 
@@ -211,12 +222,58 @@ class FrameRequest:
 
 
 @dataclass(frozen=True)
+class ExamineRequest:
+    """Find everything that is wrong with a body, and where."""
+
+    body: RawBody
+
+
+@dataclass(frozen=True)
+class RepairRequest:
+    """Repair a body.
+
+    Attributes:
+        body: as it was read.
+        repairs: to make.
+        foretell: whether what they would change is only told.
+    """
+
+    body: RawBody
+    repairs: Repairs
+    foretell: bool = False
+
+
+@dataclass(frozen=True)
 class DropRequest:
     """Stop, and forget half-done work."""
 
 
-Request = OpenRequest | FrameRequest | DropRequest
-Result = Frame | Progress | Opened | Ready | Failure | Finished
+@dataclass(frozen=True)
+class Examined:
+    """A body was looked at."""
+
+    health: Health
+
+
+@dataclass(frozen=True)
+class Foretold:
+    """An account of what repairs change; they have not been made."""
+
+    outcome: RepairOutcome
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """A body was repaired."""
+
+    shape: Mesh
+    outcome: RepairOutcome
+
+
+BodyRequest = OpenRequest | ExamineRequest | RepairRequest
+"""Requests that must not be replaced by frames, which come again when they are done."""
+Request = BodyRequest | FrameRequest | DropRequest
+Result = Frame | Progress | Opened | Ready | Examined | Foretold | Repaired | Failure | Finished
 
 
 def default_plane(shape: Shape) -> Plane:

@@ -1,6 +1,7 @@
 """Shapes: meshes, polygons and planes, and what is done to them."""
 
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnose
+from idviewer.core.shapes.health import Fault, FaultPlace, Health, examine, examine_steps
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.shapes.named_repairs import NAMED_REPAIRS, NamedRepair
@@ -18,6 +19,9 @@ __all__ = [
     "BrokenBodyError",
     "Crossings",
     "Diagnosis",
+    "Fault",
+    "FaultPlace",
+    "Health",
     "Mesh",
     "MeshError",
     "NamedRepair",
@@ -32,6 +36,8 @@ __all__ = [
     "Shape",
     "crossings",
     "diagnose",
+    "examine",
+    "examine_steps",
     "middle_of_first_chord",
     "repair_mesh",
 ]
