@@ -18,13 +18,13 @@ import idviewer
 from idviewer.cli import commands, discretisation, distance_options, output, parsing, point_distances
 from idviewer.cli.collection_options import CollectionOptions, ComparisonOptions, OutputOptions
 from idviewer.cli.options import (
+    EVERY_COMPONENT,
     BodyChoice,
     DisplayOptions,
     DistanceOptions,
     Endpoints,
     Flag,
     NoCache,
-    PartName,
     PictureQuery,
     ReadingOptions,
     RefineText,
@@ -95,6 +95,11 @@ def render(
     commands.check_picture(query, display)
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
+    if reading.component == EVERY_COMPONENT:
+        from idviewer.cli import components
+
+        components.draw(components.shapes_of(shape, reading), out, chosen, query, display, cache)
+        return
     commands.draw_picture(parsing.shape_of(shape, reading), out, chosen, query, display, cache)
 
 
@@ -126,9 +131,14 @@ def distance(
         )
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
-    point_distances.write(
-        answer(endpoints, lambda: parsing.shape_of(shape, reading), chosen, cache, json), endpoints.out
-    )
+    if reading.component == EVERY_COMPONENT:
+        from idviewer.cli import components
+
+        shapes = components.shapes_of(shape, reading)
+        text = components.distances(endpoints, shapes, chosen, cache, json)
+    else:
+        text = answer(endpoints, lambda: parsing.shape_of(shape, reading), chosen, cache, json)
+    point_distances.write(text, endpoints.out)
 
 
 @app.command
@@ -147,6 +157,12 @@ def barycentroid(
         json: Print JSON.
     """
     chosen = distance_options.chosen_distance(options)
+    if reading.component == EVERY_COMPONENT:
+        from idviewer.cli import components
+
+        shapes, cache = components.shapes_of(shape, reading), commands.cache_of(reading.no_cache)
+        print(components.barycentroids(shapes, chosen, cache, json))
+        return
     solver = commands.solver_of(parsing.shape_of(shape, reading), chosen, commands.cache_of(reading.no_cache))
     found = solver.barycentroid()
     commands.print_remarks(commands.remarks_on_barycentroid(solver))
@@ -166,7 +182,7 @@ def info(
     shape: str,
     /,
     *,
-    part: PartName = None,
+    choice: BodyChoice = BodyChoice(),
     repairs: RepairOptions = RepairOptions(),
     refine: RefineText = "auto",
     json: Flag = False,
@@ -175,7 +191,6 @@ def info(
 
     Args:
         shape: A file, or the name of a bundled shape.
-        part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.
         refine: How the boundary is refined whose error is told: no, auto, or the longest edge allowed.
         json: Print JSON.
     """
@@ -184,7 +199,7 @@ def info(
     path = parsing.path_of(shape)
     report = shape_info.polygon if shape_info.is_polygon(path) else shape_info.mesh
     refinement = distance_options.refinement_of(refine)
-    text, usable = report(shape, path, part, parsing.repairs_of(repairs), refinement, json)
+    text, usable = report(shape, path, choice, parsing.repairs_of(repairs), refinement, json)
     print(text)
     return 0 if usable else BAD_INPUT
 

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import output
+from idviewer.cli import output, parsing
+from idviewer.cli.options import EVERY_COMPONENT
 
 if TYPE_CHECKING:
     from idviewer.cli.options import BodyChoice
@@ -45,7 +46,9 @@ def repaired(path: Path, out: Path, repairs: Repairs, choice: BodyChoice, json: 
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    body = read_body(path, choice.component, choice.part)
+    if choice.component == EVERY_COMPONENT:
+        raise ValueError("--component all: one file holds one component; repair them one by one, by number")
+    body = read_body(path, parsing.component_of(choice.component), choice.part)
     before = body.repaired()
     outcome = body.repaired(repairs) if repairs else before
     mesh = outcome.mesh_from(f"{path}: nothing is written: it is still no closed body")

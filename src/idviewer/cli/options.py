@@ -23,7 +23,10 @@ ParameterTexts = Annotated[
 PartName = Annotated[
     str | None, Parameter(name=("--part", "--label"), metavar="NAME", allow_leading_hyphen=True)
 ]
-Component = Annotated[int | None, Parameter(metavar="N")]
+Component = Annotated[str | None, Parameter(metavar="N|largest|all", allow_leading_hyphen=True)]
+EVERY_COMPONENT = "all"
+"""The word for all components, each on its own."""
+
 RefineText = Annotated[str, Parameter(metavar="no|auto|H", allow_leading_hyphen=True)]
 NoCache = Annotated[bool, Parameter(name="--no-cache", negative="", show_default=False)]
 
@@ -127,7 +130,8 @@ class BodyChoice:
     """Which of several bodies is meant.
 
     Attributes:
-        component: Which of a mesh's components to take, 1 for the largest.
+        component: Which of a mesh's components to take: its number, 1 or largest for that of the largest
+            volume, or all.
         part: Which of several shapes in a file to take, by its name.
     """
 
@@ -144,7 +148,8 @@ class ReadingOptions(RepairOptions):
         weld: Close gaps of a mesh up to this width, in its unit.
         fill_holes: Fill a mesh's holes of at most so many edges.
         drop_walls: Leave out a mesh's walls inside, and faces that bound no solid.
-        component: Which of a mesh's components to take, 1 for the largest.
+        component: Which of a mesh's components to take: its number, 1 or largest for that of the largest
+            volume, or all, each on its own.
         part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.
         no_cache: Neither read nor keep eigenpairs on disk.
     """

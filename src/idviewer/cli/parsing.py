@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from idviewer.cli.options import ReadingOptions, RepairOptions
     from idviewer.core import Repairs, Shape
+    from idviewer.core.validation import ComponentChoice
 
 BARYCENTROID = "barycentroid"
 MAX_PICTURE_SIDE_PX = 8192
@@ -52,6 +53,24 @@ def path_of(name: str) -> Path:
     raise FileNotFoundError(f"{name}: neither a file nor a bundled shape; {hint}")
 
 
+def component_of(text: str | None) -> ComponentChoice | None:
+    """A component; the commands that can take all of them look for that word first.
+
+    >>> component_of("2"), component_of("largest"), component_of(None)
+    (2, 'largest', None)
+    """
+    if text is None:
+        return None
+    if text == "largest":
+        return "largest"
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError(
+            f"--component {text}: give its number, 1 for that of the largest volume, or largest, or all"
+        ) from None
+
+
 def shape_of(name: str, reading: ReadingOptions | None = None) -> Shape:
     """The mesh or polygon of that name; the repairs that it needed are told on standard error."""
     from idviewer.core import read_shape
@@ -62,7 +81,8 @@ def shape_of(name: str, reading: ReadingOptions | None = None) -> Shape:
         shape = read_shape(path_of(name))
     else:
         repairs = repairs_of(reading)
-        shape = read_shape(path_of(name), reading.component, part=reading.part, repairs=repairs)
+        component = component_of(reading.component)
+        shape = read_shape(path_of(name), component, part=reading.part, repairs=repairs)
     for note in shape.notes:
         print(f"idviewer: {name}: {note}", file=sys.stderr)
     return shape

@@ -76,7 +76,7 @@ def from_source(
     name, text = endpoints.points or "", endpoints.source or ""
     parsing.source_of(text)
     _check_out(endpoints.out)
-    data = sys.stdin.buffer.read() if name == STANDARD_STREAM else Path(name).read_bytes()
+    data = _bytes_of(name)
     body = shape()
     source = parsing.source_of(text, body.dimension)
     table = table_of(data, name, body.dimension)
@@ -109,6 +109,15 @@ def from_source(
             ]
         return output.as_json({**content, "discretisation": discretisation.as_json(summary)})
     return _as_table(table, values)
+
+
+def read_table(name: str, dimension: int) -> PointTable:
+    """The points of a file, or of standard input."""
+    return _table_of(_bytes_of(name), name, dimension)
+
+
+def _bytes_of(name: str) -> bytes:
+    return sys.stdin.buffer.read() if name == STANDARD_STREAM else Path(name).read_bytes()
 
 
 def placed_point(solver: InteriorDistance, written: WrittenPoint) -> Point:

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import discretisation, output
+from idviewer.cli import discretisation, output, parsing
+from idviewer.cli.options import EVERY_COMPONENT, BodyChoice
 
 if TYPE_CHECKING:
     from idviewer.core import Polygon, Repairs
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from idviewer.core.spectrum import Refine
 
 TITLE_WIDTH = 16
+LISTED_COMPONENTS = 20
 UNKNOWN_UNIT = "not told by the file"
 
 
@@ -25,32 +27,57 @@ def is_polygon(path: Path) -> bool:
 
 
 def mesh(
-    name: str, path: Path, part: str | None, repairs: Repairs, refine: Refine, json: bool
+    name: str, path: Path, choice: BodyChoice, repairs: Repairs, refine: Refine, json: bool
 ) -> tuple[str, bool]:
-    """The report on a mesh after repairs, in words or JSON, and whether it can be used."""
-    from idviewer.core import read_shape
+    """The report on a mesh or its components after repairs, in words or JSON, and whether it can be used."""
     from idviewer.core.io import inspect_file
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    diagnosis = inspect_file(path, part, repairs)
+    component = choice.component
+    if component != EVERY_COMPONENT:
+        content, text, usable = _of_mesh(name, path, choice, repairs, refine)
+        return (output.as_json({"mesh": name, **content}) if json else text), usable
+    count = max(1, len(inspect_file(path, choice.part, repairs, 1).component_list))
+    numbers = range(1, count + 1)
+    found = [
+        _of_mesh(f"{name}, component {one}", path, BodyChoice(str(one), choice.part), repairs, refine)
+        for one in numbers
+    ]
+    usable = all(fit for _, _, fit in found)
+    if json:
+        listed = [{"component": one, **content} for one, (content, _, _) in zip(numbers, found, strict=True)]
+        return output.as_json({"mesh": name, "usable": usable, "components": listed}), usable
+    return "\n\n".join(text for _, text, _ in found), usable
+
+
+def _of_mesh(
+    name: str, path: Path, choice: BodyChoice, repairs: Repairs, refine: Refine
+) -> tuple[dict[str, Any], str, bool]:
+    """What JSON and words tell of a mesh, or of one of its components, and whether it can be used."""
+    from idviewer.core import read_shape
+    from idviewer.core.io import inspect_file
+
+    component = parsing.component_of(choice.component)
+    diagnosis = inspect_file(path, choice.part, repairs, component)
     content: dict[str, Any] = {}
     lines: tuple[tuple[str, str], ...] = ()
     if diagnosis.usable:
-        content, lines = discretisation.of_shape(read_shape(path, part=part, repairs=repairs), refine)
-    if json:
-        return output.as_json({"mesh": name, **diagnosis.as_dict(), **content}), diagnosis.usable
-    return _report(name, diagnosis, lines), diagnosis.usable
+        shape = read_shape(path, component, part=choice.part, repairs=repairs)
+        content, lines = discretisation.of_shape(shape, refine)
+    return {**diagnosis.as_dict(), **content}, _report(name, diagnosis, lines), diagnosis.usable
 
 
 def polygon(
-    name: str, path: Path, part: str | None, repairs: Repairs, refine: Refine, json: bool
+    name: str, path: Path, choice: BodyChoice, repairs: Repairs, refine: Refine, json: bool
 ) -> tuple[str, bool]:
     """The report on a polygon, in words or JSON, and whether it can be used."""
     from idviewer.core import Polygon, PolygonError, read_shape
 
+    if choice.component is not None:
+        raise ValueError(f"{name}: a polygon has no components; leave --component out")
     try:
-        made = read_shape(path, part=part, repairs=repairs)
+        made = read_shape(path, part=choice.part, repairs=repairs)
         assert isinstance(made, Polygon)
     except PolygonError as error:
         problem = str(error)
@@ -127,6 +154,17 @@ def _sizes(diagnosis: Diagnosis) -> Iterable[tuple[str, str]]:
     yield "faces", f"{diagnosis.faces:,}"
     yield "edges", f"{diagnosis.edges:,}"
     yield "components", f"{len(diagnosis.components)}"
+    if len(diagnosis.component_list) > 1:
+        for one in diagnosis.component_list[:LISTED_COMPONENTS]:
+            yield "  component", str(one)
+        if (more := len(diagnosis.component_list) - LISTED_COMPONENTS) > 0:
+            yield "", f"and {more:,} more"
+    if len(diagnosis.shells) > 1:
+        yield (
+            "shells",
+            ", ".join(f"{faces:,}" for faces in diagnosis.shells[:8])
+            + (" faces" if len(diagnosis.shells) <= 8 else ", ... faces"),
+        )
     if diagnosis.genus is not None:
         yield "genus", f"{diagnosis.genus}"
     if diagnosis.boundary_loops:

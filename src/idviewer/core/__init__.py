@@ -31,14 +31,14 @@ from idviewer.core.interior.single_call import interior_distance
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.io.bundled_shapes import sample_names, sample_path
 from idviewer.core.io.mesh_writers import write_mesh
-from idviewer.core.io.meshes import read_mesh
+from idviewer.core.io.meshes import read_mesh, read_meshes
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
 from idviewer.core.sampling.basis_samples import SourceError
 from idviewer.core.sampling.evaluation import slice_values
 from idviewer.core.sampling.sampled_slice import SliceValues
 from idviewer.core.shapes.diagnosis import diagnose
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.shapes.mesh_repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh, repair_meshes
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.polygon import Polygon, PolygonError
 from idviewer.core.shapes.repairs import Repairs
@@ -103,10 +103,12 @@ __all__ = [
     "polygon_laplacian",
     "polygon_section",
     "read_mesh",
+    "read_meshes",
     "read_polygon",
     "read_shape",
     "register_distance",
     "repair_mesh",
+    "repair_meshes",
     "sample_names",
     "sample_path",
     "section",

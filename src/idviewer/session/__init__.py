@@ -5,8 +5,8 @@ from idviewer.session.picking import FramePicker, Probe, Target
 from idviewer.session.pipeline import Pipeline
 from idviewer.session.planes import PlaneCommands, active_plane, axis_of
 from idviewer.session.previews import describe_preview
-from idviewer.session.run_to_end import run_to_end
 from idviewer.session.repair_desk import RepairDesk
+from idviewer.session.run_to_end import run_to_end
 from idviewer.session.runner import Runner, Work
 from idviewer.session.session import Session
 from idviewer.session.spectrum_cache import SpectrumCache

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from idviewer.core import Shape
 from idviewer.core.shapes import Ray
+from idviewer.core.validation import ComponentChoice
 from idviewer.session.carried_query import (
     frames_of,
     is_complete,
@@ -92,7 +93,9 @@ class Session:
         self._closed = False
         self._runner = Runner(work or Pipeline(cache, previews=True).results, self._receive, post)
 
-    def open(self, path: str | Path, component: int | None = None, part: str | None = None) -> None:
+    def open(
+        self, path: str | Path, component: ComponentChoice | None = None, part: str | None = None
+    ) -> None:
         """Read a shape in the compute thread and show it; on failure everything stays as it was."""
         self._reading = OpenRequest(Path(path), component, part)
         self._start(self._reading)

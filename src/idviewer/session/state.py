@@ -12,11 +12,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core import Diffusion, DiscretisationError, Distance, Plane, Shape
-from idviewer.core import Diffusion, Distance, Mesh, Plane, Repairs, Shape
+from idviewer.core import Diffusion, DiscretisationError, Distance, Mesh, Plane, Repairs, Shape
 from idviewer.core.sampling import SliceValues
 from idviewer.core.shapes import AXES, Health, RawBody, RepairOutcome
 from idviewer.core.spectrum import Refine
+from idviewer.core.validation import ComponentChoice
 
 Quantity = Literal["distance", "potential"]
 Point = tuple[float, float, float]
@@ -196,12 +196,12 @@ class OpenRequest:
 
     Attributes:
         path: of the file.
-        component: of a mesh's components, which to take, 1 for the largest.
+        component: of a mesh's components, which to take, 1 for that of the largest volume.
         part: of several shapes in the file, the name of the one to take.
     """
 
     path: Path
-    component: int | None = None
+    component: ComponentChoice | None = None
     part: str | None = None
 
 

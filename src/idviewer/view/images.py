@@ -24,7 +24,7 @@ from idviewer.view.polygon_view import UP_2D, VIEW_DIRECTION_2D, is_2d
 from idviewer.view.scene import POINTS_PER_INCH, Scene
 
 if TYPE_CHECKING:
-    from idviewer.core import Plane, Shape
+    from idviewer.core import Plane
     from idviewer.session import Frame, State
 
 Point = tuple[float, float, float]
@@ -69,23 +69,36 @@ def image(
     """
     if min(size) < 1:
         raise ValueError(f"a picture cannot have {size[0]} x {size[1]} pixels")
-    scale = _scale(size)
+    return _image_of_all([(state, frame)], size, camera, transparent)
+
+
+def _image_of_all(
+    drawn: Sequence[tuple[State, Frame | None]],
+    size: tuple[int, int],
+    camera: Camera | None,
+    transparent: bool,
+) -> NDArray[np.uint8]:
+    """Draw shapes that lie beside each other, with the scale bar of the first."""
+    scale, (state, frame) = _scale(size), drawn[0]
     if camera is None and state.shape is not None:
         bar = FREE_BAR_WIDTH_PX * scale if frame is not None and state.display.scale_bar else 0.0
-        camera = _camera(
-            state.shape, frame.query.planes if frame is not None else state.query.planes, size, bar
-        )
+        planes = frame.query.planes if frame is not None else state.query.planes
+        points = np.concatenate([one.shape.vertices for one, _ in drawn if one.shape is not None])
+        camera = _camera(points, planes, size, bar)
     with _plotter(size, round(scale * POINTS_PER_INCH)) as plotter:
-        scene = Scene(plotter)
+        scenes: list[Scene] = []
         try:
-            scene.show(state)
-            scene.show_frame(frame)
+            for one, its_frame in drawn:
+                scenes.append(Scene(plotter))
+                scenes[-1].show(one if one is state else one.with_(scale_bar=False))
+                scenes[-1].show_frame(its_frame)
             _prepare(plotter, transparent)
             if camera is not None:
                 place_camera(plotter.renderer, Pose(*map(np.array, camera)), parallel=is_2d(state.shape))
             return _read(plotter, transparent)
         finally:
-            scene.close()
+            for scene in scenes:
+                scene.close()
 
 
 def write_image(
@@ -104,12 +117,31 @@ def write_image(
         RuntimeError: this machine has no OpenGL.
         OSError: the file cannot be written.
     """
-    path = Path(path)
+    _write([(state, frame)], Path(path), size, camera, transparent)
+
+
+def write_image_of_all(
+    path: str | os.PathLike[str],
+    drawn: Sequence[tuple[State, Frame | None]],
+    size: tuple[int, int],
+    transparent: bool = False,
+) -> None:
+    """Draw several shapes in one picture, each with its frame, and write it as `write_image` does."""
+    _write(drawn, Path(path), size, None, transparent)
+
+
+def _write(
+    drawn: Sequence[tuple[State, Frame | None]],
+    path: Path,
+    size: tuple[int, int],
+    camera: Camera | None,
+    transparent: bool,
+) -> None:
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
-    pixels = image(state, frame, size, camera, transparent)
+    picture = Image.fromarray(_image_of_all(drawn, size, camera, transparent))
     with atomic_path(path) as part, part.open("xb") as file:
-        Image.fromarray(pixels).save(file, format="PNG")
+        picture.save(file, format="PNG")
 
 
 def default_camera(
@@ -155,13 +187,16 @@ def place_camera(renderer: vtkRenderer, pose: Pose, parallel: bool) -> None:
         renderer.ResetCameraClippingRange()
 
 
-def _camera(shape: Shape, planes: Sequence[Plane], size: tuple[int, int], bar: float) -> Camera:
+def _camera(
+    points: NDArray[np.float64], planes: Sequence[Plane], size: tuple[int, int], bar: float
+) -> Camera:
     """The first view beside a scale bar that takes so many pixels."""
     width, height = size
-    free = bar if is_2d(shape) else 2 * bar  # a body stays in the middle
+    flat = points.shape[1] == 2
+    free = bar if flat else 2 * bar  # a body stays in the middle
     aspect = max(width - free, 0.5 * width) / height
-    camera = default_camera(shape.vertices, planes[0] if planes else None, aspect)
-    if not is_2d(shape):
+    camera = default_camera(points, planes[0] if planes else None, aspect)
+    if not flat:
         return camera
     pose = Pose(*map(np.array, camera))
     pose = pan(pose, min(bar, 0.5 * width) * pose.half_height / height, 0.0)

@@ -6,7 +6,7 @@ from idviewer.core.io.contents import Contents, FileSource, PartError
 from idviewer.core.io.formats import add_reader, readable_suffixes
 from idviewer.core.io.memory_bound import MEMORY_BOUND
 from idviewer.core.io.mesh_writers import check_mesh_path, writable_suffixes, write_mesh
-from idviewer.core.io.meshes import inspect_file, read_body, read_mesh
+from idviewer.core.io.meshes import inspect_file, read_body, read_mesh, read_meshes
 from idviewer.core.io.point_tables import PointTable, read_points, rounding_of
 from idviewer.core.io.polygons import read_polygon, read_shape, write_polygon
 from idviewer.core.io.text import UnreadableError
@@ -28,6 +28,7 @@ __all__ = [
     "inspect_file",
     "read_body",
     "read_mesh",
+    "read_meshes",
     "read_points",
     "read_polygon",
     "read_shape",

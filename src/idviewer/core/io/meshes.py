@@ -43,6 +43,24 @@ def read_mesh(
     return read_body(path, component, part).repaired(repairs).mesh_from(one_line(path))
 
 
+def read_meshes(
+    path: str | os.PathLike[str], part: str | None = None, repairs: Repairs = NO_REPAIRS
+) -> tuple[Mesh, ...]:
+    """Read the components of the mesh in a file, each as a mesh of its own, the largest volume first.
+
+    Args:
+        path, part, repairs: as in `read_mesh`.
+
+    Raises:
+        MeshError: as in `read_mesh`; also if one of the components is no closed surface.
+
+    >>> from idviewer.core import sample_path
+    >>> [mesh.name for mesh in read_meshes(sample_path("hand_2k"))]
+    ['hand_2k']
+    """
+    return read_body(path, part=part).meshes(repairs, one_line(path))
+
+
 def read_body(
     path: str | os.PathLike[str], component: ComponentChoice | None = None, part: str | None = None
 ) -> RawBody:
@@ -62,19 +80,22 @@ def read_body(
 
 
 def inspect_file(
-    path: str | os.PathLike[str], part: str | None = None, repairs: Repairs = NO_REPAIRS
+    path: str | os.PathLike[str],
+    part: str | None = None,
+    repairs: Repairs = NO_REPAIRS,
+    component: ComponentChoice | None = None,
 ) -> Diagnosis:
     """Find the sizes of the mesh in a file and everything that is wrong with it, however unusable.
 
     Args:
         path: of the file.
         part: as in `read_mesh`.
-        repairs: likewise.
+        repairs, component: likewise.
 
     Raises:
         MeshError: there is no such file, or it cannot be read, or it is damaged.
     """
-    return read_body(path, part=part).repaired(repairs).diagnosis
+    return read_body(path, component, part).repaired(repairs).diagnosis
 
 
 def _contents(path: Path, part: str | None) -> Contents[PolygonSoup]:

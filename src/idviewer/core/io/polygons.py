@@ -19,6 +19,7 @@ from idviewer.core.shapes.mesh import Mesh
 from idviewer.core.shapes.polygon import Polygon, PolygonError
 from idviewer.core.shapes.repairs import NO_REPAIRS, Repairs
 from idviewer.core.shapes.shape import PolygonLike, as_polygon
+from idviewer.core.validation.repair_choices import ComponentChoice
 
 
 def read_polygon(
@@ -55,7 +56,7 @@ def read_polygon(
 
 def read_shape(
     path: str | os.PathLike[str],
-    component: int | None = None,
+    component: ComponentChoice | None = None,
     samples: int | None = None,
     part: str | None = None,
     repairs: Repairs = NO_REPAIRS,
@@ -64,7 +65,7 @@ def read_shape(
 
     Args:
         path: of the file.
-        component: which of a mesh's components to take, 1 for the largest.
+        component: which of a mesh's components to take, 1 or "largest" for that of the largest volume.
         samples: how many points to take along a polygon's boundary.
         part: which of several shapes in the file to take, by its name.
         repairs: of a mesh: those that change the shape, to be made first; none by default.

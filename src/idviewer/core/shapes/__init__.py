@@ -3,7 +3,7 @@
 from idviewer.core.shapes.diagnosis import Diagnosis, diagnose
 from idviewer.core.shapes.health import Fault, FaultPlace, Health, examine, examine_steps
 from idviewer.core.shapes.mesh import Mesh, MeshError
-from idviewer.core.shapes.mesh_repair import repair_mesh
+from idviewer.core.shapes.mesh_repair import repair_mesh, repair_meshes
 from idviewer.core.shapes.named_repairs import NAMED_REPAIRS, NamedRepair
 from idviewer.core.shapes.plane import AXES, Plane
 from idviewer.core.shapes.polygon import Polygon, PolygonError
@@ -40,4 +40,5 @@ __all__ = [
     "examine_steps",
     "middle_of_first_chord",
     "repair_mesh",
+    "repair_meshes",
 ]

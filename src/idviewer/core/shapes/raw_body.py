@@ -76,7 +76,14 @@ class RawBody:
             return (self.repaired(repairs).mesh_from(source),)
         names = [f"{self.name}, component {one}".lstrip(", ") for one in range(1, count + 1)]
         parts = (replace(self, name=name, component=one) for one, name in enumerate(names, 1))
-        return tuple(part.repaired(repairs).mesh_from(source) for part in parts)
+        made = (part.repaired(repairs).mesh_from(source) for part in parts)
+        # That one was taken is no news where all are.
+        return tuple(
+            mesh.with_labels(
+                notes=[note for note in mesh.notes if not note.startswith(f"Component {one} of")]
+            )
+            for one, mesh in enumerate(made, 1)
+        )
 
     def repair_steps(self, repairs: Repairs = NO_REPAIRS) -> Steps[RepairOutcome]:
         """As `repaired`, with checkpoints between."""
