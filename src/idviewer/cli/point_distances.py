@@ -113,7 +113,7 @@ def from_source(
 
 def read_table(name: str, dimension: int) -> PointTable:
     """The points of a file, or of standard input."""
-    return _table_of(_bytes_of(name), name, dimension)
+    return table_of(_bytes_of(name), name, dimension)
 
 
 def _bytes_of(name: str) -> bytes:
