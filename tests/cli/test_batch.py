@@ -17,7 +17,7 @@ from idviewer.cli import batch_command
 from idviewer.cli.batch_outputs import write_landmarks
 from idviewer.cli.collection_options import OutputOptions
 from idviewer.cli.options import DistanceOptions, ReadingOptions
-from idviewer.core import Euclidean, InteriorDistance, Mesh, read_shape, repair_mesh
+from idviewer.core import Euclidean, InteriorDistance, Mesh, discretisation, read_shape, repair_mesh
 
 
 @pytest.fixture
@@ -76,6 +76,8 @@ def check_numbers(stored: dict, solver: InteriorDistance) -> None:
     embedded = solver.boundary.embedding
     largest = np.linalg.norm(embedded[:, None] - embedded, axis=2).max()
     assert 0.9 * largest < result["largest_distance"] <= largest * (1 + 1e-12)
+    stated = discretisation(solver).summary
+    assert result["discretisation"]["distances"] == pytest.approx(stated.total_distances, rel=1e-6)
     assert result["info"]["usable"] is True
     assert len(result["descriptors"]["eigenvalues"]) == 20
     assert set(stored["made_by"]["seconds"]) >= {"reading", "distance", "picture", "all"}

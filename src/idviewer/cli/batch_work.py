@@ -11,7 +11,15 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from idviewer.cli import batch_outputs, commands, distance_options, output, parsing, shape_info
+from idviewer.cli import (
+    batch_outputs,
+    commands,
+    discretisation,
+    distance_options,
+    output,
+    parsing,
+    shape_info,
+)
 from idviewer.cli.options import DisplayOptions, DistanceOptions, PictureQuery, ReadingOptions
 
 if TYPE_CHECKING:
@@ -65,7 +73,7 @@ def compute(task: Task, folder: Path, reserve: Reserve) -> Made:
     with redirect_stderr(told), _cache(reading.no_cache and wanted["pictures"], reading) as cache:
         with watch.stage("reading"):
             shape = parsing.shape_of(str(task.path), reading)
-            health = _health(task, reading)
+            health = shape_info.health(task.path, reading.part, parsing.repairs_of(reading))
         with watch.stage("distance"):
             solver = commands.solver_of(
                 shape, chosen, cache, lambda refined: reserve(needed_bytes(len(refined.vertices)))
@@ -73,9 +81,14 @@ def compute(task: Task, folder: Path, reserve: Reserve) -> Made:
         with watch.stage("barycentroid"):
             centre = solver.barycentroid()
             commands.print_remarks(commands.remarks_on_barycentroid(solver))
+        with watch.stage("discretisation"):
+            levels = discretisation.discretisation_of(solver)
+            summary = None if levels is None else levels.summary
+            commands.print_remarks(discretisation.warnings_of(summary))
         files: dict[str, str] = {}
         results = {
             **_sizes(shape),
+            "discretisation": discretisation.as_json(summary),
             **batch_outputs.measures(solver, centre),
             **_wanted(task, folder, (solver, centre.point), files, watch),
         }
@@ -142,15 +155,6 @@ def _cache(own: bool, reading: ReadingOptions) -> Generator[SpectrumCache | None
 
     with TemporaryDirectory(prefix="idviewer-") as name:
         yield SpectrumCache(Path(name), worth=0.0)
-
-
-def _health(task: Task, reading: ReadingOptions) -> dict[str, Any]:
-    """What `idviewer info --json` tells of the shape."""
-    report = shape_info.polygon if shape_info.is_polygon(task.path) else shape_info.mesh
-    refine = distance_options.refinement_of(_distance(task.options).refine)
-    repairs = parsing.repairs_of(reading)
-    told: dict[str, Any] = json.loads(report(task.name, task.path, reading.part, repairs, refine, True)[0])
-    return told
 
 
 def _sizes(shape: Shape) -> dict[str, Any]:

@@ -100,6 +100,22 @@ def polygon(
     return "\n".join([name, *(_line(*size) for size in sizes), *notes, _line("usable", "yes")]), True
 
 
+def health(path: Path, part: str | None, repairs: Repairs) -> dict[str, Any]:
+    """Sizes of a shape and what is wrong with it, for JSON; nothing is computed on its boundary.
+
+    Raises:
+        ShapeError: the file cannot be read, or what it holds is no polygon.
+    """
+    from idviewer.core import Polygon, read_shape
+    from idviewer.core.io import inspect_file
+
+    if not is_polygon(path):
+        return inspect_file(path, part, repairs).as_dict()
+    made = read_shape(path, part=part, repairs=repairs)
+    assert isinstance(made, Polygon)
+    return {"usable": True, **_polygon_sizes(made)}
+
+
 def _polygon_sizes(made: Polygon) -> dict[str, object]:
     return {
         "vertices": len(made.vertices),
