@@ -88,20 +88,22 @@ def pytest_terminal_summary(
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[object]:
-    """Has boundaries computed on as they are given, but in tests marked `refined`.
+    """Has boundaries computed on as they are given, without a word on it, but in tests marked `refined`.
 
     Most tests hold results on small bodies against twins on the same vertices; examples in docstrings show
     what users have. Not a fixture: those of modules are made before any of a test.
     """
+    from idviewer.core.interior import discretisation_error
     from idviewer.core.spectrum import resolution
 
-    usual = resolution.RESOLUTION
+    usual = resolution.RESOLUTION, discretisation_error.DISCRETISATION
     if Path(__file__).parent in item.path.parents and item.get_closest_marker("refined") is None:
-        resolution.RESOLUTION = dataclasses.replace(usual, tolerated=math.inf)
+        resolution.RESOLUTION = dataclasses.replace(usual[0], tolerated=math.inf)
+        discretisation_error.DISCRETISATION = dataclasses.replace(usual[1], serious=math.inf)
     try:
         return (yield)
     finally:
-        resolution.RESOLUTION = usual
+        resolution.RESOLUTION, discretisation_error.DISCRETISATION = usual
 
 
 @pytest.fixture(scope="session")

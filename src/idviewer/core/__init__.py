@@ -24,7 +24,7 @@ from idviewer.core.distances import (
 )
 from idviewer.core.errors import DistanceError, ShapeError
 from idviewer.core.interior.barycentroid import Barycentroid
-from idviewer.core.interior.discretisation import Discretisation, DiscretisationError
+from idviewer.core.interior.discretisation_error import Discretisation, DiscretisationError
 from idviewer.core.interior.discretisation_levels import discretisation
 from idviewer.core.interior.equations import gram_distance, pairwise_distance
 from idviewer.core.interior.single_call import interior_distance

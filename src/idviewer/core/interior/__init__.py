@@ -8,7 +8,7 @@ from idviewer.core.interior.descriptors import (
     descriptor_differences,
     shape_descriptors,
 )
-from idviewer.core.interior.discretisation import Discretisation, DiscretisationError
+from idviewer.core.interior.discretisation_error import Discretisation, DiscretisationError
 from idviewer.core.interior.discretisation_levels import (
     discretisation,
     discretisation_steps,

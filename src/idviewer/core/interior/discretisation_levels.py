@@ -10,7 +10,7 @@ from idviewer.core.distances import Distance, parameters_of
 from idviewer.core.distances.parameters import Number
 from idviewer.core.errors import ShapeError
 from idviewer.core.interior.assembly import boundary_steps
-from idviewer.core.interior.discretisation import (
+from idviewer.core.interior.discretisation_error import (
     DISCRETISATION,
     Comparison,
     Discretisation,
@@ -60,6 +60,8 @@ def discretisation_steps(solver: InteriorDistance) -> Steps:
     if not solver.boundary.distance.needs_resolution or not isinstance(shape, Mesh | Polygon):
         return Discretisation(solver, None)
     yield
+    solver = solver.with_coordinates(solver.coordinates.name)  # which count the points that have no weights
+    solver.coordinates.warns = False
     resolved = solver.boundary.resolved
     given = cast(Mesh | Polygon, resolved.given)
     if resolved.added and resolved.edge_length is not None:
@@ -193,7 +195,9 @@ def _solver_steps(solver: InteriorDistance, shape: Shape) -> Generator[None, Non
         steps = eigenpair_steps(shape, lambda _: bound, lambda_2)
         spectrum = yield from without_shares(steps)
     name = solver.coordinates.name
-    return (yield from without_shares(solver_steps(shape, distance, name, spectrum, "no")))
+    made = yield from without_shares(solver_steps(shape, distance, name, spectrum, "no"))
+    made.coordinates.warns = False  # of a level that nobody sees
+    return made
 
 
 def _with_values(distance: Distance, lambda_2: float) -> Distance:
