@@ -24,7 +24,7 @@ def read_mesh(
     part: str | None = None,
     repairs: Repairs = NO_REPAIRS,
 ) -> Mesh:
-    """Read the mesh in a file: OFF, OBJ, PLY, STL, GLB or glTF, by its suffix.
+    """Read the mesh in a file by its suffix; `docs/mesh_files.md` tells what files may hold.
 
     What can be repaired is (see `idviewer.core.repair_mesh`), and every repair is a sentence in the mesh's
     notes. All objects of the file are read as one mesh, unless a part is chosen; materials and textures are
