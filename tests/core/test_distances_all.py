@@ -229,6 +229,7 @@ def test_size_changes_it_by_a_factor(name, kind, rng):
             np.testing.assert_allclose(found, factor * plain, rtol=1e-6)
             powers.append(math.log(factor) / math.log(size))
         np.testing.assert_allclose(powers[0], powers[1], rtol=1e-6, atol=1e-6)
+        assert not distance.is_length or powers[0] == pytest.approx(1.0)
 
 
 @pytest.mark.one_is_quick

@@ -231,6 +231,15 @@ class TestSession:
                 assert frame.title == "Euclidean distance; shepard's weights"
 
 
+@pytest.mark.parametrize(
+    ("distance", "title"), [(Euclidean(), "Euclidean distance in mm"), (Biharmonic(), "Biharmonic distance, 20 modes")]
+)
+def test_lengths_are_in_the_shapes_unit(distance, title):
+    frame = frames_of(SQUARE.with_labels(unit="mm"), Query(distance=distance))[-1]
+    assert frame.title == title
+    assert frame.shape.unit == "mm"
+
+
 def test_short_edges_are_not_divided():
     (one,) = frames_of(RING, Query())[-1].slices
     count = len(np.concatenate(one.outline))

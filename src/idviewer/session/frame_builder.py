@@ -164,10 +164,13 @@ class FrameBuilder:
 
     @property
     def _description(self) -> str:
-        """The distance in words, and the coordinates where they are not the usual ones."""
+        """The distance in words, its unit if it is a length, and coordinates that are not the usual ones."""
+        words, unit = self.solver.description, self._context.shape.unit
+        if unit and self.solver.boundary.distance.is_length:
+            words = f"{words} in {unit}"
         if self._query.coordinates == Query.coordinates:
-            return self.solver.description
-        return f"{self.solver.description}; {self.solver.coordinates.title.lower()}"
+            return words
+        return f"{words}; {self.solver.coordinates.title.lower()}"
 
     def _points_needed(self) -> tuple[Point, ...]:
         source, barycentroid = self._places()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from idviewer.core import Plane
 
@@ -17,6 +18,24 @@ def format_coordinate(value: float, size: float) -> str:
         return "0"
     digits = max(6, math.ceil(math.log10(abs(value) / size)) + 4)
     return f"{value:.{digits}g}"
+
+
+def format_point(point: Iterable[float], unit: str) -> str:
+    """A point in four digits, with the unit of its coordinates where that is known.
+
+    >>> format_point((1.0, 2.5), "mm"), format_point((1.0, 1 / 3, 0.0), "")
+    ('(1, 2.5) mm', '(1, 0.3333, 0)')
+    """
+    return in_unit(f"({', '.join(f'{value:.4g}' for value in point)})", unit)
+
+
+def in_unit(text: str, unit: str) -> str:
+    """A text with a unit behind it, where there is one.
+
+    >>> in_unit("4.2", "mm"), in_unit("4.2", "")
+    ('4.2 mm', '4.2')
+    """
+    return f"{text} {unit}" if unit else text
 
 
 def format_plane(plane: Plane, size: float) -> str:

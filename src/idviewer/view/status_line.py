@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QS
 
 from idviewer.core import Shape
 from idviewer.session import Frame, Probe, Progress, Ready, describe_preview
+from idviewer.view.coordinate_text import format_point, in_unit
 from idviewer.view.polygon_view import is_2d
 
 PROGRESS_DELAY_MS = 150
@@ -34,12 +35,13 @@ def hint_for(shape: Shape | None) -> str:
 
 def describe_probe(probe: Probe, frame: Frame) -> str:
     """The value under the mouse, where that is, and the Euclidean distance beside it."""
-    point = np.asarray(probe.point)
-    place = ", ".join(f"{value:.4g}" for value in point[: frame.shape.dimension])
+    point, unit = np.asarray(probe.point), frame.shape.unit
+    place = format_point(point[: frame.shape.dimension].tolist(), unit)
     if frame.query.quantity == "potential":
-        return f"U = {probe.value:.4g} at ({place})"
-    straight = float(np.linalg.norm(point - frame.source))
-    return f"d = {probe.value:.4g} at ({place}); Euclidean {straight:.4g}"
+        return f"U = {probe.value:.4g} at {place}"
+    straight = in_unit(f"{float(np.linalg.norm(point - frame.source)):.4g}", unit)
+    distance = in_unit(f"{probe.value:.4g}", unit if frame.query.distance.is_length else "")
+    return f"d = {distance} at {place}; Euclidean {straight}"
 
 
 class StatusLine(QStatusBar):

@@ -27,6 +27,7 @@ class Euclidean(Distance):
     name: ClassVar[str] = "euclidean"
     title: ClassVar[str] = "Euclidean distance"
     menu_order: ClassVar[int] = 80
+    is_length: ClassVar[bool] = True
 
     def basis(self, shape: Shape, spectrum: Spectrum | None) -> Floats:
         """The vertices (n, dimension), about the middle of the bounding box to keep their digits.

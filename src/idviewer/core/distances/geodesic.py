@@ -67,6 +67,7 @@ class Geodesic(Distance):
     name: ClassVar[str] = "geodesic"
     title: ClassVar[str] = "Geodesic distance"
     menu_order: ClassVar[int] = 50
+    is_length: ClassVar[bool] = True
     needs_resolution: ClassVar[bool] = True
 
     landmarks: int | None = field(default=None, metadata={"parameter": LANDMARKS})

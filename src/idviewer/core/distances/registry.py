@@ -70,6 +70,7 @@ class Distance(metaclass=CheckedParameters):
         spectral: whether it needs eigenpairs.
         needs_resolution: whether the boundary must be fine enough for the modes that count, because distances
             between its vertices or along its edges are wrong otherwise.
+        is_length: whether its values are lengths, in the shape's unit.
         of_given_vertices: whether it has values for the vertices of the shape as it was given, and no others.
     """
 
@@ -80,6 +81,7 @@ class Distance(metaclass=CheckedParameters):
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     spectral: ClassVar[bool] = False
     needs_resolution: ClassVar[bool] = False
+    is_length: ClassVar[bool] = False
     of_given_vertices: ClassVar[bool] = False
 
     def cutoff(self, lambda_2: float) -> float:
