@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 from tests.cli.commands import Run, refused
@@ -73,3 +74,20 @@ class TestInfo:
         assert answer.status == 2
         assert "NaN" not in answer.out
         assert not json.loads(answer.out)["usable"]
+
+
+def test_all_shapes_of_a_file_are_listed(run: Run, tmp_path: Path) -> None:
+    voxels = np.zeros((24, 3, 3), np.uint8)
+    for label in range(1, 11):
+        voxels[2 * label : 2 * label + 2] = label
+    np.save(tmp_path / "ten.npy", voxels)
+    (tmp_path / "two.wkt").write_text("POLYGON ((0 0, 1 0, 0 1, 0 0))\nPOLYGON ((0 0, 3 0, 0 2, 0 0))\n")
+    answer = run("info", "ten.npy")
+    assert answer.status == 2
+    assert [line.split()[1:] for line in answer.out.splitlines() if line.startswith("  shape")] == [
+        [str(label), "18", "voxels"] for label in range(1, 11)
+    ]
+    told = json.loads(run("info", "two.wkt", "--json").out)
+    assert told["shapes"] == [{"name": "1", "description": "1 x 1"}, {"name": "2", "description": "3 x 2"}]
+    assert not told["usable"]
+    assert run("info", "ten.npy", "--label", "3").status == 0

@@ -104,7 +104,7 @@ def test_several_labels_are_named_with_their_volumes(tmp_path, name):
         MeshError, match=r"it holds 3 labels: '3' \(.*\), '7' \(.*\), '12' \(.*\); choose one"
     ) as caught:
         read_mesh(file)
-    sizes = [float(part.description.split(" ")[0]) for part in caught.value.parts]
+    sizes = [float(part.description.split(" ")[0].replace(",", "")) for part in caught.value.parts]
     voxel = abs(np.linalg.det(affine))
     np.testing.assert_allclose(
         sizes, [np.count_nonzero(label == LABELS) * voxel for label in (3, 7, 12)], rtol=1e-3

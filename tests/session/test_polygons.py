@@ -232,11 +232,13 @@ class TestSession:
 
 
 @pytest.mark.parametrize(
-    ("distance", "title"), [(Euclidean(), "Euclidean distance in mm"), (Biharmonic(), "Biharmonic distance, 20 modes")]
+    ("distance", "title"),
+    [(Euclidean(), "Euclidean distance in mm"), (Biharmonic(), "Biharmonic distance, ")],
 )
 def test_lengths_are_in_the_shapes_unit(distance, title):
     frame = frames_of(SQUARE.with_labels(unit="mm"), Query(distance=distance))[-1]
-    assert frame.title == title
+    assert frame.title.startswith(title)
+    assert (" in mm" in frame.title) == distance.is_length
     assert frame.shape.unit == "mm"
 
 

@@ -10,7 +10,7 @@ from idviewer.cli import discretisation, output, parsing
 from idviewer.cli.options import EVERY_COMPONENT, BodyChoice
 
 if TYPE_CHECKING:
-    from idviewer.core import Polygon, Repairs
+    from idviewer.core import Polygon, Repairs, ShapeError
     from idviewer.core.shapes import Diagnosis
     from idviewer.core.spectrum import Refine
 
@@ -30,13 +30,19 @@ def mesh(
     name: str, path: Path, choice: BodyChoice, repairs: Repairs, refine: Refine, json: bool
 ) -> tuple[str, bool]:
     """The report on a mesh or its components after repairs, in words or JSON, and whether it can be used."""
+    from idviewer.core import ShapeError
     from idviewer.core.io import inspect_file
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
     component = choice.component
     if component != EVERY_COMPONENT:
-        content, text, usable = _of_mesh(name, path, choice, repairs, refine)
+        try:
+            content, text, usable = _of_mesh(name, path, choice, repairs, refine)
+        except ShapeError as error:
+            if not error.parts:
+                raise
+            return _several("mesh", name, error, json), False
         return (output.as_json({"mesh": name, **content}) if json else text), usable
     count = max(1, len(inspect_file(path, choice.part, repairs, 1).component_list))
     numbers = range(1, count + 1)
@@ -68,6 +74,16 @@ def _of_mesh(
     return {**diagnosis.as_dict(), **content}, _report(name, diagnosis, lines), diagnosis.usable
 
 
+def _several(kind: str, name: str, error: ShapeError, json: bool) -> str:
+    """The report on a file of several shapes: all of them, by which they can be chosen."""
+    if json:
+        shapes = [{"name": part.name, "description": part.description} for part in error.parts]
+        return output.as_json({kind: name, "usable": False, "problem": str(error), "shapes": shapes})
+    width = max(len(part.name) for part in error.parts)
+    lines = [_line("shape", f"{part.name:<{width}}  {part.description}") for part in error.parts]
+    return "\n".join([name, _line("problem", str(error)), *lines, _line("usable", "no")])
+
+
 def polygon(
     name: str, path: Path, choice: BodyChoice, repairs: Repairs, refine: Refine, json: bool
 ) -> tuple[str, bool]:
@@ -81,6 +97,8 @@ def polygon(
         assert isinstance(made, Polygon)
     except PolygonError as error:
         problem = str(error)
+        if error.parts:
+            return _several("polygon", name, error, json), False
         if json:
             return output.as_json({"polygon": name, "usable": False, "problem": problem}), False
         return "\n".join([name, _line("problem", problem), _line("usable", "no")]), False

@@ -128,7 +128,7 @@ def _chosen_voxels(volume: Volume, voxels: NDArray[Any], source: FileSource) -> 
     size = float(abs(np.linalg.det(volume.affine[:3, :3])))
     unit = "voxels" if volume.unit == "voxel" else f"{volume.unit}^3"
     named = {label: f"{volume.names[label]}, " if label in volume.names else "" for label in counts}
-    parts = [Part(str(label), f"{named[label]}{n * size:,.4g} {unit}") for label, n in counts.items()]
+    parts = [Part(str(label), f"{named[label]}{_size(n * size)} {unit}") for label, n in counts.items()]
     hint = "; a threshold, such as part='>100', is taken too" if len(parts) > VOLUMES.few_labels else ""
     names = [[volume.names[label]] if label in volume.names else [] for label in counts]
     number = source.chosen(parts, "labels", names, by_place=False, hint=hint)
@@ -136,6 +136,11 @@ def _chosen_voxels(volume: Volume, voxels: NDArray[Any], source: FileSource) -> 
     label = list(counts)[number]
     name = f" ({volume.names[label]})" if label in volume.names else ""
     return f"label {label}{name}", voxels == label
+
+
+def _size(volume: float) -> str:
+    """A volume in four digits, with marks for thousands: 23,970."""
+    return f"{float(f'{volume:.4g}'):,.10g}"
 
 
 def label_counts(voxels: NDArray[Any]) -> dict[int, int]:
