@@ -77,6 +77,17 @@ class CameraController:
         up = camera.upright(direction, self._pole)
         self._set_pose_beside_bar(camera.look(direction, up, shape.vertices, angle, self._aspect))
 
+    def approach(self, shape: Shape, centre: camera.Vector, radius: float) -> None:
+        """Look at a ball on a shape's surface from outside, from no nearer than shows what is around it."""
+        outward = centre - np.mean(shape.bounds, axis=0)
+        if np.linalg.norm(outward) < 0.05 * shape.diagonal:  # in the middle: from any side
+            outward = self.pose.axes[2]
+        outward = camera.unit(outward)
+        angle = np.radians(self._plotter.renderer.GetActiveCamera().GetViewAngle())
+        distance = max(1.6 * radius, 0.15 * shape.diagonal) / np.tan(angle / 2)
+        up = camera.upright(-outward, self._pole)
+        self._set_pose_beside_bar(Pose(centre + distance * outward, np.array(centre), up))
+
     def orbit(self, right: float, down: float) -> None:
         """Turn the shape after a mouse that moved so far."""
         self.set_pose(camera.orbit(self.pose, self._pole, -right * RADIANS_PER_PX, down * RADIANS_PER_PX))

@@ -47,6 +47,7 @@ SHORTCUTS: dict[str, tuple[tuple[str, str], ...]] = {
         ("U", "distance or potential"),
         ("Esc", "cancel the computation"),
         ("F5", "compute again"),
+        ("F8", "what is wrong with the mesh, and its repair"),
         ("F9", "show or hide the controls"),
         ("F1", "this sheet"),
         ("Ctrl + Q", "quit"),

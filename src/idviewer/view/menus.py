@@ -51,6 +51,7 @@ MENUS: dict[str, tuple[Entry, ...]] = {
         MENU_SEPARATOR,
         Entry("handle", "Show or hide the &handles", "H"),
         Entry("controls", "Show &controls", "F9"),
+        Entry("health", "&Health…", "F8", in_2d=False),
     ),
     "&Slice": (
         Entry("plane_x", "Normal to &x", "X", in_2d=False),

@@ -10,7 +10,9 @@ from vtkmodules.vtkRenderingCore import vtkProp, vtkRenderer
 from idviewer.core import Mesh, Polygon
 from idviewer.session import Display
 from idviewer.view.body_actor import BodyActor
+from idviewer.view.broken_shape import BrokenShape
 from idviewer.view.colormaps import colors, lookup_table
+from idviewer.view.fault_marks import FaultMarks
 from idviewer.view.markers import Markers
 from idviewer.view.outline_actor import OutlineActor
 from idviewer.view.polydata import Place
@@ -20,6 +22,7 @@ from idviewer.view.slice_actor import SliceActor
 
 if TYPE_CHECKING:
     from idviewer.core import Shape
+    from idviewer.core.shapes import FaultPlace, Health
     from idviewer.session import Frame, State
 
 BACKGROUND_BOTTOM, BACKGROUND_TOP = (0.975, 0.977, 0.980), (0.865, 0.885, 0.915)
@@ -47,6 +50,7 @@ class Scene:
         self._body, self._outline = BodyActor(renderer), OutlineActor()
         self._slices: list[SliceActor] = []
         self._markers = Markers()
+        self._faults = FaultMarks()
         self._bar = ScaleBar()
         self._props: tuple[vtkProp, ...] = ()
         renderer.SetUseOIT(False)  # balls are drawn as they come, not averaged
@@ -70,6 +74,11 @@ class Scene:
             self._display = state.display
             self._apply_display()
 
+    @property
+    def shape(self) -> Shape | None:
+        """The shape that is shown."""
+        return self._shape
+
     def show_frame(self, frame: Frame | None) -> None:
         """Show what a frame says; with none, there are no slices, markers or scale bar."""
         if self._renderer is None:
@@ -88,6 +97,14 @@ class Scene:
         self._markers.show_frame(frame)
         self._show_bar()
 
+    def show_faults(self, health: Health | None) -> None:
+        """Mark the faults of the body that is shown, or none."""
+        self._faults.show(health, self._place, alone=isinstance(self._shape, BrokenShape))
+
+    def choose_fault(self, chosen: FaultPlace | None) -> None:
+        """Bring out one place of a fault, or none."""
+        self._faults.choose(chosen, self._place)
+
     def close(self) -> None:
         """Take everything out of the plotter and let go of it; may be called again."""
         if self._renderer is None:
@@ -105,6 +122,7 @@ class Scene:
             self._place = Place(shape.bounds)
         self._body.show_mesh(shape if isinstance(shape, Mesh) else None, self._place)
         self._outline.show(shape if isinstance(shape, Polygon) else None, self._place)
+        self.show_faults(shape.health if isinstance(shape, BrokenShape) else None)
         if dimension_changed:
             self._apply_display()
         if self._frame is not None and not _belongs_to(self._frame, shape):
@@ -118,6 +136,7 @@ class Scene:
         opacity = 0.0 if in_2d else display.opacity  # nothing is around a polygon
         self._body.set_opacity(opacity)
         self._outline.set_look(scale)
+        self._faults.set_look(scale)
         for actor in self._slices:
             actor.set_look(display.isolines, opacity, scale, edged=not in_2d)
         self._markers.set_look(display.barycentroid, opacity, scale, in_2d)
@@ -140,9 +159,12 @@ class Scene:
         bases, *overlays = stages
         self._props = (
             *bases,
+            self._faults.body,
             *self._body.actors,
             *self._outline.actors,
             *(prop for stage in overlays for prop in stage),
+            *self._faults.marks.actors,
+            *self._faults.chosen.actors,
             *self._markers.actors,
             *self._bar.actors,
         )

@@ -44,6 +44,13 @@ def describe_probe(probe: Probe, frame: Frame) -> str:
     return f"d = {distance} at {place}; Euclidean {straight}"
 
 
+def probe_text(probe: Probe | None, frame: Frame | None, shape: Shape | None) -> str:
+    """What the mouse points at, or else a hint of what can be done."""
+    if probe is None or probe.value is None or frame is None:
+        return hint_for(shape)
+    return describe_probe(probe, frame)
+
+
 class StatusLine(QStatusBar):
     """Shows what it is told, and calls cancel or resume for its one button."""
 

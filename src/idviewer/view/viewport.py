@@ -17,6 +17,7 @@ from idviewer.core.arrays import in_space
 from idviewer.session import Frame, Point, State, active_plane
 from idviewer.view.camera import Pose, Projection, View
 from idviewer.view.camera_controller import CameraController
+from idviewer.view.fault_view import FaultView
 from idviewer.view.handle_geometry import Handle, Part
 from idviewer.view.mouse_state import (
     CLICK_MAX_MOVE_PX,
@@ -59,6 +60,7 @@ class Viewport(QWidget):
         self._plotter, self._quality = make_render_widget(self), InteractiveQuality()
         self._scene = Scene(self._plotter)
         self._camera = CameraController(self._plotter, self.request_draw)
+        self.faults = FaultView(self._scene, self._camera, self.request_draw)
         self._handle, self._vertices = PlaneHandle(self._plotter), VertexHandles(self._plotter)
         window = self._plotter.GetRenderWindow()
         self._observers = [(window, window.AddObserver("StartEvent", self._before_draw))]
@@ -116,7 +118,8 @@ class Viewport(QWidget):
         self._vertices.close()
         self._scene.close()
         self._plotter.close()
-        del self._plotter, self._camera  # whoever still holds this widget must not keep a render window alive
+        # Whoever still holds this widget must not keep a render window alive.
+        del self._plotter, self._camera, self.faults
 
     # The camera
 

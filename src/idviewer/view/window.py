@@ -8,17 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QDialog, QDockWidget, QGridLayout, QMainWindow, QWidget
 
 from idviewer.core import DistanceError, Shape, ShapeError, sample_names, sample_path
 from idviewer.core.sampling import SourceError
-from idviewer.core.shapes import Ray
+from idviewer.core.shapes import BrokenBodyError, Ray
 from idviewer.session import Frame, PlaneCommands, Progress, Session, State
-from idviewer.view import dialogs, images
+from idviewer.view import dialogs, saving
 from idviewer.view.cache_menu import clear_cache, show_cache_size
 from idviewer.view.dialogs import PictureRequest
 from idviewer.view.gui_thread import Post
+from idviewer.view.health_view import OPEN_HEALTH, HealthView
 from idviewer.view.help import HelpSheet
 from idviewer.view.menu_commands import menu_commands
 from idviewer.view.menus import enable_for, fill_menu_bar
@@ -27,7 +28,8 @@ from idviewer.view.panel import Calls, Panel
 from idviewer.view.part_choice import Choice, PartDialog, choices_of, describe_choices
 from idviewer.view.polygon_edits import PolygonEdits
 from idviewer.view.polygon_view import is_2d
-from idviewer.view.status_line import StatusLine, describe_probe, hint_for
+from idviewer.view.status_line import StatusLine, probe_text
+from idviewer.view.undo_menu import UndoMenu
 from idviewer.view.viewport import Viewport
 
 LOG = logging.getLogger(__name__)
@@ -51,12 +53,14 @@ class MainWindow(QMainWindow):
         self.panel = Panel(Calls(session.set, self.complain), self._planes)
         self.status = StatusLine(self.cancel, session.resume)
         self._polygon_edits = PolygonEdits(session, self.messages, self._show_undo)
+        self.health = HealthView(session, self.viewport, self.messages, self.ask_for_mesh)
+        self._undo = UndoMenu(self._polygon_edits, self.health.desk)
         self._lay_out()
         samples = {title: sample_names(dimension) for title, dimension in SAMPLE_GROUPS.items()}
         commands = menu_commands(session, self.viewport, self._planes) | self._menu_commands()
         self.actions_by_name = fill_menu_bar(self, commands, samples, self._open_sample)
         show_cache_size(self.actions_by_name["clear_cache"], session.cache)
-        self.viewport.clicked.connect(session.click)
+        self.viewport.clicked.connect(self.health.click)
         self.viewport.vertex_clicked.connect(lambda point: session.set(source=tuple(point.tolist())))
         self.viewport.reshaped.connect(self._polygon_edits.move)
         self.viewport.reshaping_ended.connect(self._polygon_edits.remember)
@@ -69,6 +73,7 @@ class MainWindow(QMainWindow):
             (session.progressed, self.status.show_progress),
             (session.opened, self._on_opened),
             (session.prepared, self.status.show_ready),
+            (self.health.desk.changed, self._show_modified),
         ]
         for signal, slot in self._connections:
             signal.connect(slot)
@@ -90,6 +95,7 @@ class MainWindow(QMainWindow):
         self.dock.setAllowedAreas(sides)
         self.dock.setWidget(self.panel)
         self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
+        self.health.add_to(self, self.dock)
         self.resizeDocks([self.dock], [330], Qt.Orientation.Horizontal)
         self.setStatusBar(self.status)
         self.setAcceptDrops(True)
@@ -104,8 +110,9 @@ class MainWindow(QMainWindow):
             "picture": self.ask_for_picture,
             "clear_cache": lambda: clear_cache(self.session.cache, self.status.tell),
             "quit": self.close,
-            "undo": self._polygon_edits.undo,
-            "redo": self._polygon_edits.redo,
+            "health": self.health.examine_shown,
+            "undo": self._undo.undo,
+            "redo": self._undo.redo,
             "controls": lambda: self.dock.setVisible(self.dock.isHidden()),
             "cancel": self.cancel,
             "keys": lambda: self._show_dialog(HelpSheet(self)),
@@ -120,13 +127,13 @@ class MainWindow(QMainWindow):
         if another:
             self.status.show_shape(new.shape)
             self._show_probe(None)
-            self.viewport.show_frame(None)
+            self.health.show_frame(None)
             enable_for(self.actions_by_name, is_2d(new.shape))
-        self.viewport.show_state(new)
+        self.health.show_state(new)
         self.panel.show_state(new, self.session.frame)
 
     def _on_framed(self, frame: Frame) -> None:
-        self.viewport.show_frame(frame)
+        self.health.show_frame(frame)
         self.status.show_frame(frame, self.session.busy)
         self.messages.remark(" ".join(frame.remarks))
         self.panel.show_state(self.session.state, frame)
@@ -140,6 +147,10 @@ class MainWindow(QMainWindow):
         path = self._requested_path
         if path is not None and (choices := choices_of(error, self._requested_part)):
             self._offer(path, choices)
+        elif isinstance(error, BrokenBodyError) and not self.health.desk.health:
+            self.messages.tell(
+                "error", str(error), (OPEN_HEALTH, lambda: self.health.examine_refused(error, path))
+            )
         else:
             self.complain(str(error) or type(error).__name__)
 
@@ -158,13 +169,19 @@ class MainWindow(QMainWindow):
     def _on_opened(self, shape: Shape, path: Path | None) -> None:
         self.viewport.reset_view()
         self._polygon_edits.forget()
-        self.setWindowTitle(f"{path.name if path else shape.name} — idviewer")
+        self._show_modified()
         if path is not None:
             self._folder = str(path.parent)
         if shape.notes:
-            self.messages.tell("note", " ".join(shape.notes))
+            offer = (OPEN_HEALTH, self.health.examine_shown) if not is_2d(shape) else None
+            self.messages.tell("note", " ".join(shape.notes), offer)
         else:
             self.messages.clear()
+
+    def _show_modified(self) -> None:
+        """Name what is open in the title, with a star where it was repaired, and what can be taken back."""
+        self._show_undo()
+        self.setWindowTitle(self.health.window_title)
 
     # What the user asks for
 
@@ -201,23 +218,21 @@ class MainWindow(QMainWindow):
 
     def save_picture(self, request: PictureRequest) -> None:
         """Write the picture that the window shows, in the requested size."""
-        QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
+        self._save(saving.write_picture, request, self.session, self.viewport)
+
+    def ask_for_mesh(self) -> None:
+        """Ask where to write the mesh that is shown, and write it."""
+        dialog = saving.mesh_dialog(self.session, self._folder, self)
+        if dialog is not None:
+            write = saving.write_shown_mesh
+            dialog.fileSelected.connect(lambda path: self._save(write, path, self.session))
+            self._show_dialog(dialog)
+
+    def _save(self, write: Callable[..., str], *what: object) -> None:
         try:
-            images.write_image(
-                request.path,
-                self.session.state,
-                self.session.frame,
-                request.size,
-                camera=self.viewport.camera_position,
-                transparent=request.transparent,
-            )
+            self.messages.tell("note", write(*what))
         except Exception as error:
             self.on_failed(error)
-        else:
-            width, height = request.size
-            self.messages.tell("note", f"Saved {request.path} ({width} × {height} pixels).")
-        finally:
-            QGuiApplication.restoreOverrideCursor()
 
     def cancel(self) -> None:
         """Give up a vertex that is being dragged, or stops the computation; what is shown stays."""
@@ -232,20 +247,11 @@ class MainWindow(QMainWindow):
             self.status.show_stopped()
 
     def _show_probe(self, ray: Ray | None) -> None:
-        probe = self.session.probe(ray) if ray is not None else None
-        frame = self.session.frame
-        if probe is None or probe.value is None or frame is None:
-            self.status.show_probe(hint_for(self.session.state.shape))
-        else:
-            self.status.show_probe(describe_probe(probe, frame))
+        probe = self.session.probe(ray) if ray is not None and not self.health.is_refused_shown else None
+        self.status.show_probe(probe_text(probe, self.session.frame, self.session.state.shape))
 
     def _show_undo(self) -> None:
-        for name, possible in (
-            ("undo", self._polygon_edits.can_undo),
-            ("redo", self._polygon_edits.can_redo),
-        ):
-            self.actions_by_name[name].setEnabled(possible)
-            self.actions_by_name[name].setToolTip("" if possible else "No vertex has been moved")
+        self._undo.show(self.actions_by_name)
 
     def _show_dialog(self, dialog: QDialog) -> None:
         """Show a dialog beside the event loop, one at a time."""

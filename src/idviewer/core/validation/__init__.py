@@ -2,6 +2,7 @@
 
 from idviewer.core.validation.cell_surfaces import Cells, surface_of_cells
 from idviewer.core.validation.component import Component
+from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup, strips
@@ -13,6 +14,7 @@ __all__ = [
     "Cells",
     "Component",
     "ComponentChoice",
+    "FileNumbering",
     "Finding",
     "PolygonSoup",
     "TriangleQuality",
