@@ -11,13 +11,13 @@ import numpy as np
 Wide = np.longdouble
 
 
-def weights(vertices: np.ndarray, faces: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """(n,) normalised weights of one point off the surface and off the planes of the faces."""
+def shares(vertices: np.ndarray, faces: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """(m, 3) shares of the faces' corners in the weights of one point, off the planes of the faces."""
     offsets = vertices.astype(Wide) - point.astype(Wide)
     distance = np.sqrt((offsets**2).sum(axis=1))
     unit = offsets / distance[:, None]
-    total = np.zeros(len(vertices), dtype=Wide)
-    for face in faces:
+    result = np.empty((len(faces), 3), dtype=Wide)
+    for number, face in enumerate(faces):
         u, d = unit[face], distance[face]
         chord = np.sqrt(((np.roll(u, -1, axis=0) - np.roll(u, 1, axis=0)) ** 2).sum(axis=1))
         theta = 2 * np.arcsin(np.minimum(chord / 2, Wide(1)))  # opposite corner i
@@ -30,5 +30,12 @@ def weights(vertices: np.ndarray, faces: np.ndarray, point: np.ndarray) -> np.nd
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
             share = theta[i] - cosine[j] * theta[k] - cosine[k] * theta[j]
-            total[face[i]] += share / (d[i] * np.sin(theta[j]) * sine[k])
+            result[number, i] = share / (d[i] * np.sin(theta[j]) * sine[k])
+    return result
+
+
+def weights(vertices: np.ndarray, faces: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """(n,) normalised weights of one point off the surface and off the planes of the faces."""
+    total = np.zeros(len(vertices), dtype=Wide)
+    np.add.at(total, faces, shares(vertices, faces, point))
     return (total / total.sum()).astype(np.float64)

@@ -48,7 +48,7 @@ def test_the_share_done_grows_until_all_is_done(dimension, coordinates):
 def test_what_another_process_compiles_is_waited_for(helper):
     shares = list(compilation.compile_steps(3))
     assert helper.looks < 0
-    assert shares.count(7 / 9) == 1 + 3, "it is told that the work goes on"
+    assert shares.count(7 / 10) == 1 + 3, "it is told that the work goes on"
     assert helper.ended
 
 

@@ -128,7 +128,9 @@ def test_faces_of_hardly_any_area_do_no_harm(lift, atol, rng):
     # `Mesh` refuses faces whose area is lost in rounding.
     bounds = np.array([vertices.min(axis=0), vertices.max(axis=0)])
     diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
-    mesh = SimpleNamespace(vertices=extended, faces=split, bounds=bounds, diagonal=diagonal)
+    mesh = SimpleNamespace(
+        vertices=extended, faces=split, bounds=bounds, diagonal=diagonal, self_intersections=()
+    )
     points = rng.dirichlet(np.ones(4), 40) @ vertices
     weights = MeshMeanValue(mesh).weights(points)
     np.testing.assert_allclose(weights @ extended, points, atol=1e-14)

@@ -75,3 +75,16 @@ def as_pairs(p: ArrayLike, q: ArrayLike, dimension: int) -> tuple[Floats, Floats
             "there must be as many of both, or one of either"
         )
     return first, second
+
+
+def counted(counts: Ints) -> tuple[Ints, Ints]:
+    """For each item so many entries: the item, and the number of the entry among the item's.
+
+    Args:
+        counts: (i,) how many.
+
+    >>> [part.tolist() for part in counted(np.array([2, 0, 3]))]
+    [[0, 0, 2, 2, 2], [0, 1, 0, 1, 2]]
+    """
+    item = np.repeat(np.arange(len(counts)), counts)
+    return item, np.arange(len(item)) - (np.cumsum(counts) - counts)[item]

@@ -147,8 +147,10 @@ def _spatial_calls() -> Calls:
 
 def _tree_calls() -> Calls:
     spindle = _spindle(LANES)
-    approximation = MeshMeanValue(spindle).approximation(spindle.vertices, np.ones(3))
+    mean_value = MeshMeanValue(spindle)
+    approximation = mean_value.approximation(spindle.vertices, np.ones(3))
     return [
+        lambda: mean_value.weight_sums.at(np.full((1, 3), 0.1)),
         lambda: finish(approximation.prepare_steps(1e-3)),
         lambda: finish(approximation.interpolate_steps(np.full((1, 3), 0.1), 1e-3)),
     ]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import cast
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from idviewer.core.arrays import Floats, as_points
+from idviewer.core.arrays import Bools, Floats, as_points
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.mean_value_polygon import PolygonMeanValue
 from idviewer.core.coordinates.registry import Coordinates, Property, register_coordinates
@@ -72,6 +73,22 @@ class MeanValueCoordinates(Coordinates):
         if isinstance(self._on, MeshMeanValue):
             return (yield from self._on.interpolate_steps(points, values))
         return (yield from super()._interpolate_steps(points, values))
+
+    @property
+    def undefined(self) -> int:  # type: ignore[override]
+        """At how many points inside, of all so far, a body that overlaps itself left no value."""
+        return self._on.undefined if isinstance(self._on, MeshMeanValue) else 0
+
+    def contains(self, points: ArrayLike) -> Bools:
+        """Tell which of points (p, dimension) lie inside the shape or on its boundary, (p,).
+
+        Raises:
+            ValueError: the points have another dimension.
+        """
+        classified = self._on.classify(as_points(points, self.shape.dimension))
+        result = np.zeros(len(np.asarray(points)), dtype=np.bool_)
+        result[classified.inside] = result[classified.on] = True
+        return result
 
     def approximation(self, values: Floats, weights: Floats) -> Approximation | None:
         """Prepare to carry values inside a mesh within a tolerance; None for a polygon. See `Approximation`.

@@ -12,10 +12,13 @@ from numpy.typing import ArrayLike
 from idviewer.core import _kernels
 from idviewer.core._kernels.mean_value.surface import surface_in_blocks
 from idviewer.core.arrays import Floats, Ints, as_points
+from idviewer.core.coordinates.overlap_guard import OverlapGuard
 from idviewer.core.coordinates.point_classification import Boundary, PointClassification
 from idviewer.core.coordinates.tolerance import Approximation
+from idviewer.core.coordinates.weight_sums import WeightSums
 from idviewer.core.morton import morton_order
 from idviewer.core.shapes.mesh import Mesh
+from idviewer.core.shapes.winding_numbers import WindingNumbers
 
 BoundaryPoint = tuple[int, Ints, Floats]
 """A point on the surface: its place among the packed ones, three vertices and their shares."""
@@ -29,8 +32,13 @@ class MeshMeanValue(Boundary):
 
     Source: Ju, Schaefer and Warren 2005, evaluated without trigonometry (docs/mean_value.md).
 
+    Where the surface overlaps itself, points that `without_value` names get NaN like those outside.
+
     Args:
         mesh: n vertices.
+
+    Attributes:
+        undefined: how many points inside, of all so far, got no value since the surface overlaps itself.
 
     >>> tetrahedron = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                    [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -42,6 +50,7 @@ class MeshMeanValue(Boundary):
         super().__init__(mesh)
         self._mesh, self.elements = mesh, mesh.faces
         self._surface = surface_in_blocks(*self.normalised_mesh)
+        self.undefined = 0
         self._arranged: tuple[Floats, Floats] | None = None
 
     def weights(self, points: ArrayLike) -> Floats:
@@ -64,6 +73,7 @@ class MeshMeanValue(Boundary):
                 if point < len(chosen):
                     result[chosen[point]] = 0.0
                     np.add.at(result[chosen[point]], vertices, shares)
+        self.blank(points, result)
         return result
 
     def interpolate_steps(self, points: ArrayLike, values: Floats) -> Generator[float, None, Floats]:
@@ -86,9 +96,32 @@ class MeshMeanValue(Boundary):
             for point, vertices, shares in hits:
                 if point < len(chosen):
                     result[chosen[point]] = shares @ values[vertices]
+            self.blank(points, result, chosen)
             done += len(chosen)
             yield done / len(points)
         return result
+
+    def blank(self, points: Floats, rows: Floats, chosen: Ints | None = None) -> None:
+        """Set rows (p, k) of points (p, 3) to NaN where a surface that overlaps itself leaves no value.
+
+        Args:
+            points, rows: of all points.
+            chosen: numbers of the points to look at; all by default.
+        """
+        if self._mesh.self_intersections:
+            chosen = np.arange(len(points)) if chosen is None else chosen
+            blank, inside = self._overlap_guard.without_value(points[chosen], self.normalise(points[chosen]))
+            rows[chosen[blank]] = np.nan
+            self.undefined += int(np.count_nonzero(blank & inside))
+
+    @cached_property
+    def weight_sums(self) -> WeightSums:
+        """Sums of weights and of their absolute values, of points that are normalised."""
+        return WeightSums(*self.normalised_mesh, self.tolerance)
+
+    @cached_property
+    def _overlap_guard(self) -> OverlapGuard:
+        return OverlapGuard(WindingNumbers(self._mesh), self.weight_sums)
 
     def _interpolate(self, packed: Floats, count: int, columns: Floats) -> tuple[list[BoundaryPoint], Floats]:
         """Values carried to packed points: which are on the surface, and (count, k) that hold for the others.
@@ -173,6 +206,8 @@ class MeshMeanValue(Boundary):
             inside[chosen] = np.isfinite(interpolated[:, 0])
             on_boundary.update({int(chosen[at]): hit for at, *hit in hits if at < len(chosen)})
         on = np.array(sorted(on_boundary), dtype=np.int64)
+        if self._mesh.self_intersections:
+            inside = self._overlap_guard.winding_numbers.at(points) > 0
         inside[on] = False
         vertices = np.array([on_boundary[point][0] for point in on], dtype=np.int64).reshape(-1, 3)
         shares = np.array([on_boundary[point][1] for point in on]).reshape(-1, 3)

@@ -47,6 +47,8 @@ class Coordinates:
             enough to know a section's outline at the vertices.
         pairs_per_step: points times vertices that are worked on between two checkpoints, 5 to 10 ms.
         unconverged: at how many points inside, of all so far, no weights were found.
+        undefined: at how many points inside, of all so far, there is no value, beside a place where the
+            shape overlaps itself.
         warns: whether a warning tells of them; to be switched off by who reads `unconverged` instead.
 
     Raises:
@@ -61,6 +63,7 @@ class Coordinates:
     linear_on_boundary: ClassVar[bool] = True
     pairs_per_step: ClassVar[float] = 1e6
     unconverged = 0
+    undefined = 0
     warns = True
 
     def __init__(self, shape: ShapeLike) -> None:

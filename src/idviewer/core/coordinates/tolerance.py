@@ -50,6 +50,14 @@ class ExactCoordinates(Protocol):
     def interpolate_steps(self, points: Floats, values: Floats) -> Generator[float, None, Floats]:
         """Values (p, k) at points (p, 3) of values (n, k) at the vertices."""
 
+    def blank(self, points: Floats, rows: Floats, chosen: Ints | None = None) -> None:
+        """Set rows (p, k) of points (p, 3) to NaN where a surface that overlaps itself leaves no value.
+
+        Args:
+            points, rows: of all points.
+            chosen: numbers of the points to look at; all by default.
+        """
+
 
 class Approximation:
     """Values given at the vertices, carried to inner points within a tolerance.
@@ -103,8 +111,11 @@ class Approximation:
             yield from tree.interpolate_steps(places[left], aim * tolerance, tolerance, target)
             left = left[doubtful]
             if len(left) == 0:
-                return result
-        result[left] = yield from self._coordinates.interpolate_steps(points[left], self._values)
+                break
+        approximated = np.setdiff1d(np.flatnonzero(near), left)
+        self._coordinates.blank(points, result, approximated)
+        if len(left):
+            result[left] = yield from self._coordinates.interpolate_steps(points[left], self._values)
         return result
 
     def prepare_steps(self, tolerance: float) -> Generator[float, None, tuple[Treecode, Ints]]:

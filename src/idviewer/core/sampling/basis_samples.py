@@ -11,6 +11,7 @@ import numpy as np
 from idviewer.core.arrays import Floats, in_space
 from idviewer.core.coordinates import Coordinates
 from idviewer.core.interior.point_placement import place_points
+from idviewer.core.coordinates.overlap_guard import no_value_remark
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.point_norms import MaxNorm
@@ -118,7 +119,7 @@ class BasisSamples:
 
     def _row(self, point: Point, rtol: float) -> Floats:
         shape, coordinates = self.solver.shape, self.solver.coordinates
-        before = coordinates.unconverged
+        before, undefined = coordinates.unconverged, coordinates.undefined
         row = finish(self.sampler.sample_steps(np.array([point]), rtol))[0]
         if not np.isfinite(row).all():
             placed = place_points(coordinates, [point[: shape.dimension]])
@@ -132,6 +133,11 @@ class BasisSamples:
                 f"{coordinates.title.lower()} were not found at the source ({place}); move it a little, "
                 "or choose other coordinates"
             )
+        if coordinates.undefined > undefined:
+            raise SourceError(
+                f"there is no distance from the source ({place}), which lies beside a place where the mesh "
+                "overlaps itself; choose another point, or unite the mesh"
+            )
         raise SourceError(
             f"the source ({place}) lies outside the {'polygon' if shape.dimension == 2 else 'mesh'}; "
             "choose a point inside or on it"
@@ -140,8 +146,12 @@ class BasisSamples:
 
 def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
     """Remarks for the user on the weights found so far, one sentence each."""
-    count = coordinates.unconverged
-    if count == 0:
-        return ()
-    points = "one of the points tried; it has" if count == 1 else f"{count} of the points tried; they have"
-    return (f"{coordinates.title} were not found at {points} no value",)
+    remarks, count = [], coordinates.unconverged
+    if count:
+        points = (
+            "one of the points tried; it has" if count == 1 else f"{count} of the points tried; they have"
+        )
+        remarks.append(f"{coordinates.title} were not found at {points} no value")
+    if coordinates.undefined:
+        remarks.append(no_value_remark(coordinates.undefined))
+    return tuple(remarks)

@@ -7,7 +7,7 @@ three never disagree.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, cast
 
 import numpy as np
@@ -19,6 +19,7 @@ from idviewer.core.validation.component import Component
 from idviewer.core.validation.findings import Finding, Point
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
+from idviewer.core.validation.self_intersections import SelfIntersections
 from idviewer.core.validation.soup_repairs import volume_and_area
 from idviewer.core.validation.validation_report import ValidationReport
 
@@ -52,6 +53,7 @@ class Diagnosis:
         unit: of the coordinates; empty where the file does not say.
         advice: options of the command line for the repairs that make it usable; empty where it is, or where
             they do not, or where nobody has looked.
+        self_intersections: faces that cross each other; None where something else has to be mended first.
     """
 
     vertices: int
@@ -72,6 +74,7 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     unit: str = ""
     advice: str = ""
+    self_intersections: SelfIntersections | None = field(default=None, compare=False)
 
     @property
     def usable(self) -> bool:
@@ -81,6 +84,8 @@ class Diagnosis:
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, strings and lists, for JSON."""
         plain = asdict(self)
+        crossing = self.self_intersections
+        plain["self_intersections"] = None if crossing is None else crossing.as_dict()
         plain["findings"] = [finding.as_dict() for finding in self.findings]
         return {"usable": self.usable, **plain}
 
@@ -129,6 +134,7 @@ def diagnosis_of(report: ValidationReport) -> Diagnosis:
         input_vertices=len(source.vertices),
         input_faces=len(source.sizes),
         findings=tuple(report.findings),
+        self_intersections=report.self_intersections,
     )
 
 

@@ -25,6 +25,7 @@ from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
 from idviewer.core.validation.repair_choices import RepairChoices
+from idviewer.core.validation.self_intersections import SelfIntersections, self_intersections_of
 from idviewer.core.validation.soup_repairs import side_vectors, volume_and_area
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
@@ -146,8 +147,9 @@ class Mesh(Labelled):
         object.__setattr__(self, "faces", frozen(np.ascontiguousarray(report.faces)))
         object.__setattr__(self, "notes", tuple(notes))
         object.__setattr__(self, "numbering", report.numbering)
-        if report.triangle_quality is not None:
-            self.__dict__["triangle_quality"] = report.triangle_quality  # of these arrays; it takes a while
+        for found in ("triangle_quality", "self_intersections"):  # of these arrays; they take a while
+            if (value := getattr(report, found)) is not None:
+                self.__dict__[found] = value
 
     def refined(self, edge_length: float) -> Mesh:
         """Cut edges until none is longer than asked; the surface stays where it is.
@@ -263,6 +265,16 @@ class Mesh(Labelled):
     def triangle_quality(self) -> TriangleQuality:
         """Whether thin triangles spoil the cotangent Laplacian."""
         return triangle_quality_of(self.vertices, self.faces)
+
+    @cached_property
+    def self_intersections(self) -> SelfIntersections:
+        """Faces that cross each other or lie on each other; false where there are none.
+
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> bool(Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).self_intersections)
+        False
+        """
+        return self_intersections_of(self.vertices, self.faces)
 
     @cached_property
     def patches(self) -> Patches:

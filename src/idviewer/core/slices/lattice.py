@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from idviewer.core.arrays import Floats, Ints
+from idviewer.core.arrays import Floats, Ints, counted
 from idviewer.core.slices.mesh_sections import Section, cycles_of
 
 Ints32 = NDArray[np.int32]
@@ -106,16 +106,6 @@ class Lattice:
         beside[2, self.cells] = full[self.cells + 1]
         beside[3, self.opposite] = self.cells
         return beside
-
-
-def counted(counts: Ints) -> tuple[Ints, Ints]:
-    """For each item so many entries: the item, and the number of the entry among the item's.
-
-    >>> [part.tolist() for part in counted(np.array([2, 0, 3]))]
-    [[0, 0, 2, 2, 2], [0, 1, 0, 1, 2]]
-    """
-    item = np.repeat(np.arange(len(counts)), counts)
-    return item, np.arange(len(item)) - (np.cumsum(counts) - counts)[item]
 
 
 def _between(starts: Floats, ends: Floats, stride: int) -> Ints:

@@ -7,6 +7,7 @@ from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup, strips
 from idviewer.core.validation.repair_choices import ComponentChoice
+from idviewer.core.validation.self_intersections import SelfIntersections
 from idviewer.core.validation.triangle_quality import TriangleQuality, triangle_quality_of
 from idviewer.core.validation.validation_report import ValidationReport
 
@@ -17,6 +18,7 @@ __all__ = [
     "FileNumbering",
     "Finding",
     "PolygonSoup",
+    "SelfIntersections",
     "TriangleQuality",
     "ValidationReport",
     "strips",

@@ -103,10 +103,17 @@ KINDS = {
         "pinched vertices, where the surface touches itself,",
         repair="kept",
     ),
+    "self_intersections": Kind("", "", repair="kept"),
     "uneven_triangles": Kind("", "", repair="bridged by an intrinsic Delaunay triangulation"),
 }
 
-HARMLESS_KINDS = ("touching_vertices", "pinched_vertices", "uneven_triangles", "voids")
+HARMLESS_KINDS = (
+    "touching_vertices",
+    "pinched_vertices",
+    "self_intersections",
+    "uneven_triangles",
+    "voids",
+)
 """Kinds that a mesh may have: they are reported, and nothing is done about them."""
 
 COMPONENT_KINDS = ("several_components", "no_such_component", "crossing_shells")

@@ -12,6 +12,7 @@ from idviewer.core.validation.edge_checks import check_edges, drop_copies, find_
 from idviewer.core.validation.findings import Finding, counted, stated
 from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
 from idviewer.core.validation.repair_choices import NO_CHOICES, RepairChoices
+from idviewer.core.validation.self_intersections import self_intersections_of
 from idviewer.core.validation.tolerances import TOLERANCES
 from idviewer.core.validation.topology import Topology
 from idviewer.core.validation.triangle_quality import triangle_quality_of
@@ -46,6 +47,7 @@ def validate(polygons: PolygonSoup, choices: RepairChoices = NO_CHOICES) -> Vali
         wind_shells,
         _find_pinched_vertices,
         _check_triangle_quality,
+        _check_self_intersections,
     )
     for check in checks:
         check(report)
@@ -230,6 +232,15 @@ def _check_triangle_quality(report: ValidationReport) -> None:
         return
     place = report.near(found.worst_vertex)
     report.add(stated("uneven_triangles", found.description, count=max(found.thin_triangles, 1), place=place))
+
+
+def _check_self_intersections(report: ValidationReport) -> None:
+    """Find faces that cross each other."""
+    if report.fatal:
+        return
+    found = report.self_intersections = self_intersections_of(report.vertices, report.faces)
+    if found:
+        report.add(found.finding)
 
 
 def _vertices(count: int) -> str:
