@@ -6,17 +6,28 @@ from functools import cache
 
 import numpy as np
 import pytest
+import shapely
 from tests.core import mean_value_twin, shapes
 from tests.core.overlapping_bodies import OVERLAPPING, bent_tube
 from tests.core.test_mean_value import winding_numbers
 
-from idviewer.core import Euclidean, InteriorDistance, MeanValueCoordinates, Mesh
+from idviewer.core import (
+    Euclidean,
+    InteriorDistance,
+    MeanValueCoordinates,
+    Mesh,
+    read_mesh,
+    sample_path,
+    section,
+)
 from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.weight_sums import WEIGHT_SUMS
 from idviewer.core.sampling import SourceError, remarks_on, slice_values
 from idviewer.core.shapes import Plane
 from idviewer.core.shapes.winding_numbers import WindingNumbers
+from idviewer.core.slices.covered_outlines import covered_outline
+from idviewer.core.slices.triangulation import slice_mesh, spacing_for
 from idviewer.core.steps import finish
 
 BOUND = WEIGHT_SUMS.largest_absolute_sum
@@ -41,6 +52,11 @@ def twin_sums(mesh: Mesh, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     shares = [mean_value_twin.shares(mesh.vertices, mesh.faces, point) for point in points]
     totals = 0.5 * np.array(shares, dtype=float).sum(axis=2)
     return totals.sum(axis=1), np.abs(totals).sum(axis=1)
+
+
+def areas_of(corners: np.ndarray) -> np.ndarray:
+    """Areas (t,) of triangles (t, 3, 3)."""
+    return 0.5 * np.linalg.norm(np.cross(*(corners[:, 1:] - corners[:, :1]).transpose(1, 0, 2)), axis=1)
 
 
 @NAMES
@@ -158,3 +174,103 @@ def test_a_source_without_a_value_is_told_from_one_outside() -> None:
         slice_values(solver, plane, [0.0, 0.0, 0.0], nodes=20)
     (remark,) = remarks_on(solver.coordinates)
     assert "overlaps itself" in remark
+
+
+@NAMES
+def test_sections_are_what_the_surface_goes_round(name: str) -> None:
+    mesh, crossings = body(name), 0
+    for axis in "xyz":
+        for share in (0.3, 0.5, 0.52):
+            cut = section(mesh, Plane.along(axis, share, mesh.bounds))
+            np.testing.assert_allclose(cut.interpolate(mesh.vertices), cut.points, atol=1e-7 * mesh.diagonal)
+            ends, shares = cut.stencil
+            np.testing.assert_allclose(
+                (shares[:, :, None] * mesh.vertices[ends]).sum(axis=1), cut.points, atol=1e-7
+            )
+            filled = slice_mesh(cut, spacing_for(cut, 200))
+            corners = filled.points[filled.triangles]
+            areas = 0.5 * np.linalg.norm(
+                np.cross(*(corners[:, 1:] - corners[:, :1]).transpose(1, 0, 2)), axis=1
+            )
+            assert areas.sum() == pytest.approx(cut.area, rel=1e-9)
+            windings = winding_numbers(mesh, corners.mean(axis=1))
+            assert windings[areas > 1e-9 * mesh.diagonal**2].min() > 0.5
+            crossings += len(cut.chords)
+    assert crossings > 0 or name == "spindle torus"
+
+
+def test_the_outline_of_what_is_covered() -> None:
+    square = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2]])
+    points = np.concatenate([square, square + 1.0, square + 5.0])
+    loops = (np.arange(4), np.arange(4, 8), np.arange(11, 7, -1))
+    union = covered_outline(points, loops)
+    assert len(union.loops) == 1, "what is wound clockwise is not covered"
+    corners = np.concatenate([points[union.points], union.crossings])[union.loops[0]]
+    assert shapely.Polygon(corners).area == pytest.approx(7.0)
+    assert shapely.LinearRing(corners).is_ccw
+    points = np.concatenate([square, 0.5 + 0.5 * square[::-1]])
+    hole = covered_outline(points, (np.arange(4), np.arange(4, 8)))
+    assert [shapely.LinearRing(points[loop]).is_ccw for loop in hole.loops] == [True, False]
+    nothing = covered_outline(square, (np.arange(3, -1, -1),))
+    assert nothing.loops == ()
+
+
+@NAMES
+@pytest.mark.parametrize("rtol", [0.0, 1e-3])
+def test_slices_have_values_where_there_are_some_and_carry_negativity(name: str, rtol: float) -> None:
+    mesh = body(name)
+    solver = InteriorDistance(mesh, Euclidean())
+    plane = Plane.along("z", 0.5, mesh.bounds)
+    found = slice_values(solver, plane, nodes=150, rtol=rtol)
+    assert np.isfinite(found.values).all()
+    assert found.negativity.shape == found.values.shape
+    exact = solver.negativity(found.points)
+    known = np.isfinite(exact)
+    assert (found.negativity[known] > exact[known] - 0.02).all()
+    assert found.negativity[known].max() <= 0.5 * (BOUND - 1.0)
+    inner = ~np.isin(np.arange(len(found.points)), np.concatenate(found.outline))
+    assert known[inner].all()
+    middles = found.points[found.triangles].mean(axis=1)
+    beside = np.isin(found.triangles, np.concatenate(found.outline)).any(axis=1)
+    assert solver.coordinates.have_values(middles[beside]).all()
+    if name != "dented through":
+        whole = section(mesh, plane).area
+        corners = found.points[found.triangles]
+        areas = areas_of(corners)
+        assert 0.5 * whole < areas.sum() <= whole * (1.0 + 1e-9)
+
+
+@NAMES
+def test_distances_exceed_the_boundarys_by_no_more_than_negativity_explains(name: str) -> None:
+    solver, points = InteriorDistance(body(name), Euclidean()), points_around(name)
+    negativity = solver.negativity(points)
+    given = np.flatnonzero(np.isfinite(negativity))
+    largest = float(np.sqrt(solver.boundary.squares().max()))
+    source = given[np.argmax(negativity[given])]
+    distances = solver.field(points[source], points[given])
+    allowed = largest * (1.0 + negativity[source] + negativity[given])
+    assert (distances <= allowed).all()
+    bound = finish(solver.coordinates.negativity_bound_steps(points[given]))
+    assert (bound > negativity[given] - 0.05).all()
+
+
+def test_bodies_that_do_not_overlap_lose_no_values_and_tell_their_negativity() -> None:
+    hand = read_mesh(sample_path("hand_2k"))
+    solver = InteriorDistance(hand, Euclidean())
+    rng = np.random.default_rng(2)
+    points = rng.uniform(*hand.bounds, size=(800, 3))
+    inside = winding_numbers(hand, points) > 0.5
+    exact = solver.negativity(points)
+    assert np.array_equal(np.isfinite(exact), inside)
+    bound = finish(solver.coordinates.negativity_bound_steps(points[inside]))
+    assert (bound > exact[inside] - 0.01).all()
+    assert np.median(bound - exact[inside]) < 0.01
+    assert solver.coordinates.undefined == 0
+
+
+@pytest.mark.parametrize("kind", ["shepard", "maximum_entropy"])
+def test_coordinates_that_are_never_negative_say_so(kind: str) -> None:
+    solver = InteriorDistance(body("bent tube"), Euclidean(), kind)
+    found = slice_values(solver, Plane.along("z", 0.5, solver.shape.bounds), nodes=40)
+    assert not found.negativity.any()
+    assert remarks_on(solver.coordinates) == ()

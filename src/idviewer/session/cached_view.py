@@ -66,6 +66,7 @@ class FirstView:
             "triangles": self.section.triangles.astype(np.int32, copy=False),
             "outline": np.concatenate(loops).astype(np.int32, copy=False),
             "rows": self.section.rows,
+            "negativity": self.section.negativity,
         }
 
     @classmethod
@@ -80,6 +81,7 @@ class FirstView:
             np.empty((0, arrays["rows"].shape[1])),
             0.0,
             True,
+            arrays["negativity"],
         )
         x, y, z = header["barycentroid"]
         return cls((x, y, z), arrays["row"], Plane(tuple(header["origin"]), tuple(header["normal"])), section)

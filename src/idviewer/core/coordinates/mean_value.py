@@ -79,6 +79,21 @@ class MeanValueCoordinates(Coordinates):
         """At how many points inside, of all so far, a body that overlaps itself left no value."""
         return self._on.undefined if isinstance(self._on, MeshMeanValue) else 0
 
+    def negativity_bound_steps(self, points: Floats) -> Generator[float, None, Floats]:
+        """Bound the negative weights' sum of points (p, dimension) quickly, or nearly; yields shares done.
+
+        In a mesh by sums face by face, which are at least those of weights (`WeightSums`).
+        """
+        if isinstance(self._on, MeshMeanValue):
+            return (yield from self._on.negativity_bound_steps(points))
+        return (yield from super().negativity_bound_steps(points))
+
+    def have_values(self, points: Floats) -> Bools:
+        """Tell which of points (p, dimension) inside have values, (p,): all but beside overlaps."""
+        if isinstance(self._on, MeshMeanValue):
+            return self._on.have_values(points)
+        return super().have_values(points)
+
     def contains(self, points: ArrayLike) -> Bools:
         """Tell which of points (p, dimension) lie inside the shape or on its boundary, (p,).
 

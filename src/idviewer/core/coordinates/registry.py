@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from idviewer.core.arrays import Floats, as_points
+from idviewer.core.arrays import Bools, Floats, as_points
 from idviewer.core.shapes.shape import ShapeLike, as_shape
 from idviewer.core.steps import finish
 
@@ -143,6 +143,9 @@ class Coordinates:
     def negativity(self, points: ArrayLike) -> Floats:
         """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
 
+        Where it is N, sum |w_i| is 1 + 2 N, a value may leave the range of the boundary's by N times its width
+        on either side, and d(p, q) is at most 1 + N(p) + N(q) largest boundary distances.
+
         Args:
             points: (p, dimension).
 
@@ -173,6 +176,20 @@ class Coordinates:
             result[some] = np.maximum(-self.weights(points[some]), 0.0).sum(axis=1)
             yield min(1.0, (start + at_once) / len(points))
         return result
+
+    def negativity_bound_steps(self, points: Floats) -> Generator[float, None, Floats]:
+        """Bound the negative weights' sum of points (p, dimension) quickly, or nearly; yields shares done.
+
+        Returns:
+            (p,); of points that have no value it means nothing.
+        """
+        if Property.NON_NEGATIVITY in self.properties:
+            return np.zeros(len(points))
+        return (yield from self.negativity_steps(points))
+
+    def have_values(self, points: Floats) -> Bools:
+        """Tell which of points (p, dimension) inside have values, (p,): all but beside overlaps."""
+        return np.ones(len(points), dtype=np.bool_)
 
 
 COORDINATES: dict[str, type[Coordinates]] = {}

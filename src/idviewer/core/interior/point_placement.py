@@ -78,11 +78,10 @@ def within(coordinates: Coordinates, points: Floats) -> Bools:
         coordinates: of the shape.
         points: (p, dimension).
     """
-    ones = np.ones((len(coordinates.shape.vertices), 1))
     # Others may find no weights at a point inside.
     known = isinstance(coordinates, MeanValueCoordinates)
     mean_value = coordinates if known else MeanValueCoordinates(coordinates.shape)
-    return np.isfinite(finish(mean_value.interpolate_steps(points, ones))[:, 0])
+    return mean_value.contains(points)
 
 
 def evaluate_placed(

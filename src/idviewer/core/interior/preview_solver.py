@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from idviewer.core.arrays import Floats, Ints, as_points
 from idviewer.core.coordinates import Coordinates, coordinates_of
+from idviewer.core.coordinates.mean_value import MeanValueCoordinates
 from idviewer.core.distances import Distance
 from idviewer.core.interior.embedding import EmbeddedBoundary, PreparedBasis
 from idviewer.core.interior.interpolation import BasisInterpolation
@@ -127,6 +128,9 @@ class PreviewInterpolation(BasisInterpolation):
         points = as_points(points, 3)
         rows = yield from super().sample_steps(points, 0.0)
         missing = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+        if self.coordinates.undefined:  # not all are outside
+            inside = MeanValueCoordinates(self.coordinates.shape).contains(points[missing])
+            missing = missing[~inside]
         if len(missing):
             matrix = self._preview.projection.project(points[missing]).matrix(self._preview.small.mesh)
             off = np.linalg.norm(matrix @ self._preview.small.mesh.vertices - points[missing], axis=1)

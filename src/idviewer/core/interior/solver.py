@@ -266,6 +266,15 @@ class InteriorDistance:
         potential, radius = self.interpolation.potential_steps, self.boundary.position_accuracy
         return barycentroid_steps(self.shape, potential, radius, surrogate)
 
+    def negativity(self, points: ArrayLike) -> Floats:
+        """Sum of the negative weights of points (p, dimension), as `Coordinates.negativity` has it, (p,).
+
+        >>> from idviewer.core import Euclidean, Polygon
+        >>> InteriorDistance(Polygon([[0, 0], [4, 0], [0, 4]]), Euclidean()).negativity([[1, 2]]).tolist()
+        [0.0]
+        """
+        return self.coordinates.negativity(points)
+
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Tell which of points (p, dimension) lie inside the shape or on its boundary (1e-5 diagonals), (p,).
 

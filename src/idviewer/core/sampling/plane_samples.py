@@ -71,8 +71,7 @@ class PlaneSamples:
         self._sampler = sampler
         self._settings = sampler.settings
         self.section, self._spacing = _section(sampler.solver.boundary.section_shape, plane, self._settings)
-        shares = np.stack([1.0 - self.section.fractions, self.section.fractions], axis=1)
-        self._outline_rows = sampler.solver.boundary.rows_between(self.section.edges, shares)
+        self._outline_rows = sampler.solver.boundary.rows_between(*self.section.stencil)
         self._lattices = next(
             (n for n in range(1, self._settings.lattices) if self._settings.coarsest_nodes * 4**n > finest),
             self._settings.lattices,
@@ -151,9 +150,12 @@ class PlaneSamples:
         self, mesh: SliceMesh, midpoints: EdgeMidpoints, level: int
     ) -> Generator[None, None, Floats]:
         """The basis sampled in midpoints of edges; where rounding puts one outside, what was interpolated."""
-        keys = self._keys_between(mesh, midpoints.ends, level)
-        rows = yield from self._rows_of(keys, midpoints_of(mesh, midpoints.ends))
-        return np.where(np.isfinite(rows), rows, midpoints.rows)
+        keys, places = self._keys_between(mesh, midpoints.ends, level), midpoints_of(mesh, midpoints.ends)
+        rows = yield from self._rows_of(keys, places)
+        known = np.logical_and.reduce(np.isfinite(rows), axis=1)
+        if self._sampler.solver.coordinates.undefined:
+            known[~known] = self._sampler.solver.contains(self.section.lift(places[~known]))
+        return np.where(known[:, None], rows, midpoints.rows)
 
     def _keys_between(self, mesh: SliceMesh, ends: Ints, level: int) -> Ints:
         """Numbers of the midpoints of edges: of lattice edges those of nodes, of the others negative ones."""
@@ -183,7 +185,8 @@ class PlaneSamples:
         errors = errors[np.isfinite(errors).all(axis=1)]
         midpoints.rows[chosen] = sampled
         yield
-        return self._shown(mesh, rows, midpoints, split(mesh.triangles, sides + len(rows)), errors, False)
+        triangles = split(mesh.triangles, sides + len(rows))
+        return (yield from self._shown(mesh, rows, midpoints, triangles, errors, False))
 
     def _with_band(self, mesh: SliceMesh, rows: Floats, level: int, final: bool) -> Steps:
         """Add the midpoints of the steepest edges of the band, sampled."""
@@ -204,7 +207,7 @@ class PlaneSamples:
         number = np.full(len(ends), -1)
         number[steep[chosen]] = len(rows) + np.arange(len(chosen))
         triangles = np.concatenate([mesh.triangles[~in_band], split(band, number[sides])])
-        return self._shown(mesh, rows, added, triangles, np.empty((0, rows.shape[1])), final)
+        return (yield from self._shown(mesh, rows, added, triangles, np.empty((0, rows.shape[1])), final))
 
     def _shown(
         self,
@@ -214,11 +217,24 @@ class PlaneSamples:
         triangles: Ints32,
         errors: Floats,
         final: bool,
-    ) -> SampledSlice:
+    ) -> Steps:
         points = np.concatenate([mesh.points, self.section.lift(midpoints_of(mesh, midpoints.ends))])
         loops = tuple(loop.astype(np.int32) for loop in mesh.section.loops)
         points, triangles, rows = _with_values(points, triangles, np.concatenate([rows, midpoints.rows]))
-        return SampledSlice(points, triangles, loops, PointNorms(rows), errors, self._kept.rtol, final)
+        negativity = np.empty(0)
+        if self._sampler.may_lack_values:
+            # Next to the outline, whose values are there in any case, a triangle may span what has none.
+            middles = points[triangles].mean(axis=1)
+            beside = np.logical_or.reduce(triangles < len(self._outline_rows), axis=1)
+            beside[beside] = ~self._sampler.have_values(middles[beside])
+            triangles = triangles[~beside]
+            yield
+        if final:
+            negativity = yield from without_shares(self._sampler.negativity_steps(points))
+            if self._linear:
+                negativity[: len(self._outline_rows)] = 0.0
+        sampled = PointNorms(rows)
+        return SampledSlice(points, triangles, loops, sampled, errors, self._kept.rtol, final, negativity)
 
 
 def _section(shape: Shape, plane: Plane, settings: SamplingSettings) -> tuple[Section, float]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ class SliceValues:
         triangles: (t, 3) indices into points, facing along the plane's normal.
         values: (p,) at the points.
         outline: index arrays into points, one closed loop each (the first index is not repeated).
+        negativity: (p,) a bound, or nearly, of how negative the weights are there, as
+            `InteriorDistance.negativity` tells it; empty on levels before the last.
     """
 
     plane: Plane
@@ -33,6 +36,7 @@ class SliceValues:
     triangles: NDArray[np.int32]
     values: NDArray[np.float64]
     outline: tuple[NDArray[np.int32], ...]
+    negativity: NDArray[np.float64] = field(default_factory=partial(np.empty, 0))
 
 
 def error_bound(source_rtol: float, rtol: float) -> float:
@@ -61,6 +65,7 @@ class SampledSlice:
             sampled.
         rtol: tolerance of the samples, in largest distances on the boundary; 0 where they are exact.
         final: whether there is no finer level.
+        negativity: (p,) of the weights at the points, as for `SliceValues`.
     """
 
     points: Floats
@@ -70,6 +75,7 @@ class SampledSlice:
     probed_error: Floats
     rtol: float
     final: bool
+    negativity: Floats = field(default_factory=partial(np.empty, 0))
 
     @property
     def rows(self) -> Floats:
@@ -84,6 +90,5 @@ class SampledSlice:
             scale: (k,) or (1,).
             origin: (k,).
         """
-        return SliceValues(
-            plane, self.points, self.triangles, self.norms.distances(scale, origin), self.outline
-        )
+        distances = self.norms.distances(scale, origin)
+        return SliceValues(plane, self.points, self.triangles, distances, self.outline, self.negativity)

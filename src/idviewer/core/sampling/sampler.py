@@ -8,7 +8,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from idviewer.core.arrays import Floats, in_space
+from idviewer.core.arrays import Bools, Floats, in_space
 from idviewer.core.distances import DISTANCES, Distance, Number, parameters_of
 from idviewer.core.interior.barycentroid import Evaluate
 from idviewer.core.interior.solver import InteriorDistance
@@ -70,6 +70,20 @@ class Sampler:
         if self.exact_always or rtol == 0.0:
             return (yield from self.solver.interpolation.sample_steps(points, rtol=0.0))
         return (yield from self.solver.interpolation.sample_steps(points, rtol=rtol, weights=self._weights))
+
+    @property
+    def may_lack_values(self) -> bool:
+        """Whether points inside may have no value, since the shape overlaps itself."""
+        return bool(getattr(self.solver.shape, "self_intersections", False))
+
+    def have_values(self, points: Floats) -> Bools:
+        """Tell which of points (p, 3) inside have values, (p,)."""
+        return self.solver.coordinates.have_values(points[:, : self.solver.shape.dimension])
+
+    def negativity_steps(self, points: Floats) -> Generator[float, None, Floats]:
+        """Bound how negative the weights of points (p, 3) are; see `Coordinates.negativity_bound_steps`."""
+        flat = points[:, : self.solver.shape.dimension]
+        return (yield from self.solver.coordinates.negativity_bound_steps(flat))
 
     def surrogate(self, solver: InteriorDistance) -> Evaluate | None:
         """The potential of a solver with this basis, within a tolerance; None where that saves no time."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +11,7 @@ from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.face_boxes import heights
 from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.shape import MeshLike, as_mesh
+from idviewer.core.slices.covered_outlines import covered_outline
 
 FOLLOWING = np.array([1, 2, 0])
 """The corner that follows each corner of a face."""
@@ -23,13 +24,18 @@ class Section:
     A value that is linear on each face is known exactly on the whole outline: at point i it is
     (1 - t_i) f(a_i) + t_i f(b_i).
 
+    Where a surface overlaps itself, sides of the outline cross. Only what has the body on one side is left
+    of them, and each crossing is a point of its own, which comes after those on mesh edges.
+
     Attributes:
         plane: the plane.
-        edges: (s, 2) vertex indices a, b of the mesh edge that each outline point lies on.
-        fractions: (s,) t, where on that edge.
+        edges: (e, 2) vertex indices a, b of the mesh edge that each of the first outline points lies on.
+        fractions: (e,) t, where on that edge.
         in_plane: (s, 2) the points' in-plane coordinates: in the plane's basis, about its origin.
         loops: index arrays into the points, one closed loop each, the body on the left as seen
             against the normal (outer loops counterclockwise, holes clockwise).
+        chords: (s - e, 2) two of the first points between which each of the others lies.
+        chord_fractions: (s - e,) where between them.
 
     >>> from idviewer.core.shapes.polygon import Polygon
     >>> from idviewer.core.slices.polygon_sections import polygon_section
@@ -43,6 +49,8 @@ class Section:
     fractions: Floats
     in_plane: Floats
     loops: tuple[Ints, ...]
+    chords: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    chord_fractions: Floats = field(default_factory=lambda: np.empty(0))
 
     @property
     def points(self) -> Floats:
@@ -68,8 +76,24 @@ class Section:
 
     def interpolate(self, values: Floats) -> Floats:
         """Interpolate values (n, k) given at the mesh's vertices to the outline, (s, k); exact."""
-        share = self.fractions[:, None]
-        return (1.0 - share) * values[self.edges[:, 0]] + share * values[self.edges[:, 1]]
+        share, between = self.fractions[:, None], self.chord_fractions[:, None]
+        on_edges = (1.0 - share) * values[self.edges[:, 0]] + share * values[self.edges[:, 1]]
+        first, second = on_edges[self.chords[:, 0]], on_edges[self.chords[:, 1]]
+        return np.concatenate([on_edges, (1.0 - between) * first + between * second])
+
+    @property
+    def stencil(self) -> tuple[Ints, Floats]:
+        """Vertices (s, v) whose values make up that of each outline point, and their shares (s, v)."""
+        shares = np.stack([1.0 - self.fractions, self.fractions], axis=1)
+        if len(self.chords) == 0:
+            return self.edges, shares
+        between = np.stack([1.0 - self.chord_fractions, self.chord_fractions], axis=1)[:, :, None]
+        ends = np.concatenate([self.edges, self.edges], axis=1), self.edges[self.chords].reshape(-1, 4)
+        parts = (
+            np.concatenate([shares, np.zeros_like(shares)], axis=1),
+            (between * shares[self.chords]).reshape(-1, 4),
+        )
+        return np.concatenate(ends), np.concatenate(parts)
 
 
 def section(mesh: MeshLike, plane: Plane) -> Section:
@@ -102,7 +126,20 @@ def section(mesh: MeshLike, plane: Plane) -> Section:
     follower = np.searchsorted(keys[order], (corners[rising_tails] * n + corners[rising_heads])[order])
     edges = corners[np.stack([bottoms[order], tops[order]], axis=1)]
     fractions, in_plane = _where_crossed(mesh.vertices[edges], plane)
-    return Section(plane, edges, fractions, in_plane, _loops(follower, in_plane))
+    loops = _loops(follower, in_plane)
+    if not loops or not mesh.self_intersections:
+        return Section(plane, edges, fractions, in_plane, loops)
+    outline = covered_outline(in_plane, loops)
+    kept = outline.points
+    return Section(
+        plane,
+        edges[kept],
+        fractions[kept],
+        np.concatenate([in_plane[kept], outline.crossings]),
+        outline.loops,
+        outline.chords,
+        outline.chord_fractions,
+    )
 
 
 def _where_crossed(ends: Floats, plane: Plane) -> tuple[Floats, Floats]:
