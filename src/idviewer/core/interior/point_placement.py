@@ -79,9 +79,9 @@ def within(coordinates: Coordinates, points: Floats) -> Bools:
         points: (p, dimension).
     """
     # Others may find no weights at a point inside.
-    known = isinstance(coordinates, MeanValueCoordinates)
-    mean_value = coordinates if known else MeanValueCoordinates(coordinates.shape)
-    return mean_value.contains(points)
+    if not isinstance(coordinates, MeanValueCoordinates):
+        coordinates = MeanValueCoordinates(coordinates.shape)
+    return coordinates.contains(points)
 
 
 def evaluate_placed(
