@@ -102,7 +102,7 @@ def evaluate_placed(
     """
     values = finish(steps(*points))
     lists = [as_points(some, coordinates.shape.dimension) for some in points]
-    missing = np.flatnonzero(~np.isfinite(values.reshape(len(values), -1)).all(axis=1))
+    missing = np.flatnonzero(~np.isfinite(values).all(axis=tuple(range(1, values.ndim))))
     if len(missing) == 0:
         return values
     placed = [place_points(coordinates, some if len(some) == 1 else some[missing]) for some in lists]
