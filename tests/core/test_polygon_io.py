@@ -112,7 +112,7 @@ def test_json_with_holes(tmp_path):
     ("name", "content", "told"),
     [
         ("a.csv", "0,0\n1,zero\n1,1\n", r"as CSV: line 2: '1,zero' stands where two numbers belong"),
-        ("a.csv", "x,y\n0,0\n1,0,0\n", "line 3: '1 0 0' has 3 columns, and line 2 has 2"),
+        ("a.csv", "x,y\n0,0\n1,0,0\n", "line 3: '1.0.0' has 3 columns, and line 2 has 2"),
         ("a.csv", "0,0\n1,inf\n1,1\n", "line 2: '1,inf' is not finite"),
         ("a.csv", "0,0\n1,nan\n1,1\n", "line 2: '1,nan' is not finite"),
         ("a.csv", "x,y\n", "it holds no points"),

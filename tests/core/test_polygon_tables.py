@@ -98,7 +98,7 @@ def test_holes_are_apart_by_blank_lines_in_wide_tables_too(tmp_path):
         ("x;y\n1.234,5;0\n2;0\n2;2\n", "line 2: '1.234,5' has a point|stands where two numbers belong"),
         ("0\n1\n2\n", "line 1: '0' is not x,y"),
         ("x,y\n0,0\n1_0,0\n1,1\n", "line 3: '1_0,0' stands where"),
-        ("1,0,0\n2,1,0\n3,1\n", "line 3: '3 1' has 2 columns, and line 1 has 3"),
+        ("1,0,0\n2,1,0\n3,1\n", "line 3: '3.1' has 2 columns, and line 1 has 3"),
         ("0,0\n1,0\n1,1\n", None),
     ],
 )
