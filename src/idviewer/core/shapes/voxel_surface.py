@@ -28,7 +28,7 @@ class SmoothingSettings:
         volume_tolerance: in voxels, how well the step along the normals is found that gives back the volume.
     """
 
-    rounds: int = 12
+    rounds: int = 30
     shrink: float = 0.5
     swell: float = -0.53
     volume_tolerance: float = 1e-4
