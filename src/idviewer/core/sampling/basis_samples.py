@@ -10,8 +10,8 @@ import numpy as np
 
 from idviewer.core.arrays import Floats, in_space
 from idviewer.core.coordinates import Coordinates
-from idviewer.core.interior.point_placement import place_points
 from idviewer.core.coordinates.overlap_guard import no_value_remark
+from idviewer.core.interior.point_placement import place_points
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.point_norms import MaxNorm

@@ -19,6 +19,7 @@ from idviewer.core.validation.component import Component
 from idviewer.core.validation.findings import Finding, Point
 from idviewer.core.validation.mesh_checks import validate
 from idviewer.core.validation.polygon_soup import PolygonSoup
+from idviewer.core.validation.precision import Precision
 from idviewer.core.validation.self_intersections import SelfIntersections
 from idviewer.core.validation.soup_repairs import volume_and_area
 from idviewer.core.validation.validation_report import ValidationReport
@@ -49,6 +50,7 @@ class Diagnosis:
         input_vertices: how many were given, before any repair.
         input_faces: how many polygons were source.
         findings: what is wrong, in the order in which it was found; empty for a faultless mesh.
+        precision: to what step the coordinates are rounded; None where nobody has looked.
         notes: what the file's reader passed over or understood in some way, one sentence each.
         unit: of the coordinates; empty where the file does not say.
         advice: options of the command line for the repairs that make it usable; empty where it is, or where
@@ -71,6 +73,7 @@ class Diagnosis:
     input_vertices: int
     input_faces: int
     findings: tuple[Finding, ...]
+    precision: Precision | None = None
     notes: tuple[str, ...] = ()
     unit: str = ""
     advice: str = ""
@@ -135,6 +138,7 @@ def diagnosis_of(report: ValidationReport) -> Diagnosis:
         input_faces=len(source.sizes),
         findings=tuple(report.findings),
         self_intersections=report.self_intersections,
+        precision=report.precision,
     )
 
 

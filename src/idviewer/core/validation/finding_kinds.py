@@ -73,6 +73,7 @@ KINDS = {
         "shells inside the body",
         repair="taken for the boundary of a void",
     ),
+    "precision": Kind("", "", repair="kept"),
     "turned_shells": Kind("", "", repair="turned"),
     "nearby_vertices": Kind(
         "boundary vertex",
@@ -113,6 +114,7 @@ HARMLESS_KINDS = (
     "self_intersections",
     "uneven_triangles",
     "voids",
+    "precision",
 )
 """Kinds that a mesh may have: they are reported, and nothing is done about them."""
 

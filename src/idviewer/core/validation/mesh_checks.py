@@ -11,6 +11,7 @@ from idviewer.core.validation.body_checks import check_bodies, wind_shells
 from idviewer.core.validation.edge_checks import check_edges, drop_copies, find_open_edges, is_double_sided
 from idviewer.core.validation.findings import Finding, counted, stated
 from idviewer.core.validation.polygon_soup import PolygonSoup, triangulated
+from idviewer.core.validation.precision import precision_of
 from idviewer.core.validation.repair_choices import NO_CHOICES, RepairChoices
 from idviewer.core.validation.self_intersections import self_intersections_of
 from idviewer.core.validation.tolerances import TOLERANCES
@@ -48,6 +49,7 @@ def validate(polygons: PolygonSoup, choices: RepairChoices = NO_CHOICES) -> Vali
         _find_pinched_vertices,
         _check_triangle_quality,
         _check_self_intersections,
+        _check_precision,
     )
     for check in checks:
         check(report)
@@ -240,6 +242,15 @@ def _check_self_intersections(report: ValidationReport) -> None:
         return
     found = report.self_intersections = self_intersections_of(report.vertices, report.faces)
     if found:
+        report.add(found.finding)
+
+
+def _check_precision(report: ValidationReport) -> None:
+    """Tell what is left of the coordinates' precision, where that is little."""
+    if report.fatal:
+        return
+    found = report.precision = precision_of(report.vertices, report.topology.ends)
+    if found.coarse:
         report.add(found.finding)
 
 

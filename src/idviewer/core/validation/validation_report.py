@@ -10,6 +10,7 @@ from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.finding_kinds import HARMLESS_KINDS
 from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.polygon_soup import PolygonSoup
+from idviewer.core.validation.precision import Precision
 from idviewer.core.validation.self_intersections import SelfIntersections
 from idviewer.core.validation.soup_repairs import numbers_of_used
 from idviewer.core.validation.topology import Topology
@@ -28,6 +29,7 @@ class ValidationReport:
         stopped: nothing can be checked behind the last finding.
         triangle_quality: of the surface; None if it was not looked at.
         self_intersections: of the surface; None if they were not looked for.
+        precision: of the coordinates; None if it was not looked at.
         vertices: (n, 3); a repair that changes them goes through `renumber` or `split`.
         numbering: which vertex of the source became which of these.
     """
@@ -41,6 +43,7 @@ class ValidationReport:
         self.stopped = False
         self.triangle_quality: TriangleQuality | None = None
         self.self_intersections: SelfIntersections | None = None
+        self.precision: Precision | None = None
         self.vertices = polygons.vertices
         self.numbering = FileNumbering.unchanged(len(polygons.vertices))
         self._faces = np.empty((0, 3), np.int64)
