@@ -95,6 +95,7 @@ class TestDescriptors:
         found = described(Mesh(*shapes.cube()), Euclidean())
         assert found.mean_distance == pytest.approx(0.6617071822, rel=0.02)
 
+    @pytest.mark.refined
     def test_a_square_of_four_points(self) -> None:
         """Its boundary is refined for the eigenvalues, also where the distance needs none."""
         square = Polygon([[0, 0], [1, 0], [1, 1], [0, 1]])
