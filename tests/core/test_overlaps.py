@@ -25,6 +25,7 @@ from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.weight_sums import WEIGHT_SUMS
 from idviewer.core.sampling import SourceError, remarks_on, slice_values
 from idviewer.core.shapes import Plane
+from idviewer.core.shapes.nearest_points import nearest_points
 from idviewer.core.shapes.winding_numbers import WindingNumbers
 from idviewer.core.slices.covered_outlines import covered_outline
 from idviewer.core.slices.triangulation import slice_mesh, spacing_for
@@ -44,7 +45,10 @@ def points_around(name: str, count: int = 400) -> np.ndarray:
     """Points in the bounding box, half of them about a place where the body overlaps itself."""
     mesh, rng = body(name), np.random.default_rng(len(name))
     near = np.array(mesh.self_intersections.places[0]) + 0.1 * mesh.diagonal * rng.uniform(-1, 1, (count, 3))
-    return np.concatenate([rng.uniform(*mesh.bounds, size=(count, 3)), near])
+    points = np.concatenate([rng.uniform(*mesh.bounds, size=(count, 3)), near])
+    # Points hardly outside count as inside.
+    beside = np.isfinite(nearest_points(mesh, points, np.full(len(points), 1e-4 * mesh.diagonal)).distances)
+    return points[~beside]
 
 
 def twin_sums(mesh: Mesh, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

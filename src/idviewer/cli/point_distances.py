@@ -42,6 +42,8 @@ def of_pair(
     json: bool,
 ) -> str:
     """The distance of two points, in words or JSON."""
+    from idviewer.core.sampling import remarks_on_negativity
+
     texts = {"--from": endpoints.from_ or "", "--to": endpoints.to or ""}
     for option, text in texts.items():
         parsing.point_of(text, option)  # before a large file is read
@@ -51,13 +53,17 @@ def of_pair(
     first, second = (placed_point(solver, one) for one in written)
     points = [one.point for one in written]
     inside, straight = float(solver.distance([first], [second])[0]), math.dist(*points)
+    remarks = commands.remarks_on_weights(solver)
     levels = discretisation.discretisation_of(solver)
     error = None if levels is None else float(levels.errors([first], [second])[0])
     summary = None if levels is None else levels.summary
-    commands.print_remarks((*commands.remarks_on_weights(solver), *discretisation.warnings_of(summary)))
+    negativity = solver.negativity([first, second])
+    warnings = *remarks_on_negativity(negativity), *discretisation.warnings_of(summary)
+    commands.print_remarks((*remarks, *warnings))
     if json:
         content = {**commands.distance_as_json(solver), "from": points[0], "to": points[1]}
         content |= {"interior": inside, "euclidean": straight, "error": error}
+        content["negativity"] = negativity
         return output.as_json({**content, "discretisation": discretisation.as_json(summary)})
     within = f"; discretisation within about {error:.2g}" if error else ""
     return f"interior   {inside!r}  ({solver.description}{within})\nEuclidean  {straight!r}"
@@ -72,6 +78,7 @@ def from_source(
 ) -> str:
     """The distances of many points from one, as a table or JSON; null or empty where a point is outside."""
     from idviewer.core.interior import place_points
+    from idviewer.core.sampling import remarks_on_negativity
 
     name, text = endpoints.points or "", endpoints.source or ""
     parsing.source_of(text)
@@ -93,15 +100,18 @@ def from_source(
     values = [
         value if math.isfinite(value) else None for value in solver.field(begin, placed.points).tolist()
     ]
+    remarks = commands.remarks_on_weights(solver)
     commands.print_remarks(_remarks_on_missing(values, table, placed, told))
     levels = discretisation.discretisation_of(solver)
     summary = None if levels is None else levels.summary
-    commands.print_remarks((*commands.remarks_on_weights(solver), *discretisation.warnings_of(summary)))
+    negativity = solver.negativity(placed.points)
+    warnings = *remarks_on_negativity(negativity), *discretisation.warnings_of(summary)
+    commands.print_remarks((*remarks, *warnings))
     if json:
         points = table.points.tolist()
         content = {**commands.distance_as_json(solver), "source": source, "points": points}
         straight = [math.dist(source, point) for point in points]
-        content |= {"interior": values, "euclidean": straight}
+        content |= {"interior": values, "euclidean": straight, "negativity": negativity}
         if levels is not None:
             errors = levels.errors(placed.points, [begin]).tolist()
             content["errors"] = [

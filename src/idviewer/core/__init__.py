@@ -43,6 +43,7 @@ from idviewer.core.shapes.plane import Plane
 from idviewer.core.shapes.polygon import Polygon, PolygonError
 from idviewer.core.shapes.repairs import Repairs
 from idviewer.core.shapes.shape import Shape
+from idviewer.core.shapes.union import Union, unite_mesh
 from idviewer.core.slices.mesh_sections import Section, section
 from idviewer.core.slices.polygon_sections import polygon_section
 from idviewer.core.spectrum.eigen_solver import Spectrum, eigenpairs
@@ -89,6 +90,7 @@ __all__ = [
     "SourceError",
     "SpectralFilter",
     "Spectrum",
+    "Union",
     "cotangent_laplacian",
     "diagnose",
     "discretisation",
@@ -113,6 +115,7 @@ __all__ = [
     "sample_path",
     "section",
     "slice_values",
+    "unite_mesh",
     "voronoi_areas",
     "voronoi_lengths",
     "write_mesh",

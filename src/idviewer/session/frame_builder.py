@@ -9,7 +9,15 @@ import numpy as np
 
 from idviewer.core.arrays import Floats
 from idviewer.core.distances import percentage
-from idviewer.core.sampling import POLYGON_PLANE, PlaneSamples, SampledSlice, error_bound, squares_of
+from idviewer.core.sampling import (
+    POLYGON_PLANE,
+    PlaneSamples,
+    SampledSlice,
+    SliceValues,
+    error_bound,
+    remarks_on_negativity,
+    squares_of,
+)
 from idviewer.session.shape_context import ShapeContext
 from idviewer.session.state import Frame, Point, Progress, Query, Result
 
@@ -134,7 +142,7 @@ class FrameBuilder:
             title=self._title(potential),
             lambda_2=None if spectrum is None else float(spectrum.values[0]),
             modes=0 if spectrum is None else len(spectrum.values),
-            remarks=(*self._samples.remarks, *self._remarks, *self._warnings()),
+            remarks=(*self._samples.remarks, *_on_negativity(drawn), *self._remarks, *self._warnings()),
             discretisation=self._context.discretisation(query),
         )
         return _frozen(frame if self._context.preview is None else self._as_preview(frame))
@@ -183,11 +191,17 @@ class FrameBuilder:
         return float(np.sqrt(squares_of(one.probed_error, self.solver.boundary.scale, 0.0).max(initial=0.0)))
 
 
+def _on_negativity(drawn: tuple[SliceValues, ...]) -> tuple[str, ...]:
+    """What the user has to know of negative weights on slices."""
+    known = [one.negativity for one in drawn if len(one.negativity)]
+    return remarks_on_negativity(np.concatenate(known)) if known else ()
+
+
 def _frozen(frame: Frame) -> Frame:
     """The frame with its arrays read-only, so that any thread may keep it."""
     arrays: list[np.ndarray] = [frame.source, frame.barycentroid]
     for one in frame.slices:
-        arrays += [one.points, one.triangles, one.values, *one.outline]
+        arrays += [one.points, one.triangles, one.values, one.negativity, *one.outline]
     for array in arrays:
         array.setflags(write=False)
     return frame

@@ -40,11 +40,8 @@ class OverlapGuard(NamedTuple):
         return ~(inside & good), inside
 
 
-def no_value_remark(count: int) -> str:
-    """The reason why so many points inside have no value, in one sentence.
-
-    >>> no_value_remark(1)
-    'One point tried has no value, beside a place where the body overlaps itself; uniting it mends this'
-    """
-    points = "One point tried has" if count == 1 else f"{count:,} points tried have"
-    return f"{points} no value, beside a place where the body overlaps itself; uniting it mends this"
+NO_VALUE = (
+    "Some points inside have no value: they lie beside a place where the body overlaps itself; "
+    "uniting it mends this"
+)
+"""The reason why, in one sentence."""

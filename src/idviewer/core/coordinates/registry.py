@@ -143,8 +143,8 @@ class Coordinates:
     def negativity(self, points: ArrayLike) -> Floats:
         """sum_i max(0, -w_i(p)): 0 where all weights are non-negative, so that the maximum principle holds.
 
-        Where it is N, sum |w_i| is 1 + 2 N, a value may leave the range of the boundary's by N times its width
-        on either side, and d(p, q) is at most 1 + N(p) + N(q) largest boundary distances.
+        Where it is N, sum |w_i| is 1 + 2 N, a value may leave the range of the boundary's by N times its
+        width on either side, and d(p, q) is at most 1 + N(p) + N(q) largest boundary distances.
 
         Args:
             points: (p, dimension).

@@ -21,12 +21,14 @@ class WeightSumSettings:
     Attributes:
         largest_absolute_sum: in a body that overlaps itself, values are given where the sum of |w_i| is at
             most this, twice what ordinary concave bodies reach; others have values everywhere inside.
+        notable_negativity: negative weights that add up to more than this are told of.
         one_sided: a cluster whose faces all show a point the same side stands for them from so many of its
             radii on.
         two_sided: where they may show both sides.
     """
 
     largest_absolute_sum: float = 4.0
+    notable_negativity: float = 0.5
     one_sided: float = 2.5
     two_sided: float = 6.0
 

@@ -1,6 +1,6 @@
 """Sampling: the embedding on slices, coarse to fine, for everything that draws or writes distances."""
 
-from idviewer.core.sampling.basis_samples import BasisSamples, SourceError, remarks_on
+from idviewer.core.sampling.basis_samples import BasisSamples, SourceError, remarks_on, remarks_on_negativity
 from idviewer.core.sampling.evaluation import sample_slice, slice_values
 from idviewer.core.sampling.plane_samples import PlaneSamples
 from idviewer.core.sampling.point_norms import MaxNorm, PointNorms, squares_of
@@ -21,6 +21,7 @@ __all__ = [
     "SourceError",
     "error_bound",
     "remarks_on",
+    "remarks_on_negativity",
     "sample_slice",
     "slice_values",
     "squares_of",

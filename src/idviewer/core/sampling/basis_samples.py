@@ -11,6 +11,8 @@ import numpy as np
 from idviewer.core.arrays import Floats, in_space
 from idviewer.core.coordinates import Coordinates
 from idviewer.core.coordinates.overlap_guard import no_value_remark
+from idviewer.core.coordinates.overlap_guard import NO_VALUE
+from idviewer.core.coordinates.weight_sums import WEIGHT_SUMS
 from idviewer.core.interior.point_placement import place_points
 from idviewer.core.interior.solver import InteriorDistance
 from idviewer.core.sampling.plane_samples import PlaneSamples
@@ -153,5 +155,25 @@ def remarks_on(coordinates: Coordinates) -> tuple[str, ...]:
         )
         remarks.append(f"{coordinates.title} were not found at {points} no value")
     if coordinates.undefined:
-        remarks.append(no_value_remark(coordinates.undefined))
+        remarks.append(NO_VALUE)
     return tuple(remarks)
+
+
+def remarks_on_negativity(negativity: Floats) -> tuple[str, ...]:
+    """Remarks for the user on weights that are so negative that distances may be too large.
+
+    Args:
+        negativity: (p,) of points, as `InteriorDistance.negativity` tells it; NaN where there is no value.
+
+    >>> remarks_on_negativity(np.array([0.1, np.nan])), len(remarks_on_negativity(np.array([0.1, 1.25])))
+    ((), 1)
+    """
+    large = negativity[np.isfinite(negativity) & (negativity > WEIGHT_SUMS.notable_negativity)]
+    if len(large) == 0:
+        return ()
+    share = 100.0 * len(large) / len(negativity)
+    return (
+        f"at {share:.2g} % of the points negative weights add up to more than "
+        f"{WEIGHT_SUMS.notable_negativity:g}, at most {large.max():.2g}: distances may exceed the boundary's "
+        "largest by that share",
+    )

@@ -16,7 +16,7 @@ CELLS_PER_FACE = 0.25
 MOST_ENTRIES_PER_FACE = 24
 """Columns that a face lies in, on average; where it would be more, columns are made wider."""
 
-PAIRS_AT_ONCE = 1 << 19
+FACES_MET_AT_ONCE = 1 << 19
 """Pairs of a point and a face that are looked at together."""
 
 
@@ -73,7 +73,7 @@ class WindingNumbers:
         ends = np.cumsum(counts)
         while start < len(places):
             done = ends[start - 1] if start else 0
-            stop = max(start + 1, int(np.searchsorted(ends, done + PAIRS_AT_ONCE)))
+            stop = max(start + 1, int(np.searchsorted(ends, done + FACES_MET_AT_ONCE)))
             part = slice(start, stop)
             point, step = counted(counts[part])
             faces = self._entries[self._first[cells[part]][point] + step]
