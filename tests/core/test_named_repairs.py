@@ -192,3 +192,27 @@ def test_damaged_input_is_told_as_without_repairs() -> None:
         with pytest.raises(MeshError) as repaired:
             repair_mesh(*bad, repairs=Repairs(weld=1e-3, fill_holes=9))
         assert str(plain.value) == str(repaired.value)
+
+
+def test_parts_that_overlap_are_united_on_request_alone() -> None:
+    arrays = shapes.joined(shapes.cube(), shapes.moved(shapes.cube(), 0.5, 0.25, 0.125))
+    with pytest.raises(BrokenBodyError, match=r"--unite") as caught:
+        repair_mesh(*arrays)
+    assert caught.value.advice == Repairs(unite=True)
+    outcome = body(arrays).repaired(caught.value.advice)
+    assert outcome.mesh.volume == pytest.approx(2.0 - 0.5 * 0.75 * 0.875, rel=1e-12)
+    assert "2 parts become 1" in outcome.mesh.notes[0]
+    kept = outcome.mesh.file_vertices >= 0
+    np.testing.assert_allclose(
+        outcome.mesh.vertices[outcome.mesh.file_vertices[kept]], arrays[0][kept], atol=1e-12
+    )
+    assert kept.sum() == 14, "one corner of each lies inside the other"
+
+
+def test_parts_apart_and_voids_are_not_united() -> None:
+    vertices, faces = shapes.cube()
+    hollow = shapes.joined((vertices, faces), (0.25 + 0.5 * vertices, faces[:, ::-1]))
+    for arrays in (hollow, shapes.two_components(), shapes.cube()):
+        (record,) = body(arrays).repaired(Repairs(unite=True)).records
+        assert record.count == 0
+    assert body(hollow).repaired(Repairs(unite=True)).mesh.volume == pytest.approx(0.875)

@@ -117,11 +117,13 @@ class RepairOptions:
         weld: Close gaps up to this width, in the shape's unit.
         fill_holes: Fill holes of at most so many edges.
         drop_walls: Leave out walls inside, and faces that bound no solid.
+        unite: Make one body of closed parts that overlap each other.
     """
 
     weld: Annotated[float | None, Parameter(metavar="W", allow_leading_hyphen=True)] = None
     fill_holes: Annotated[int | None, Parameter(metavar="N", allow_leading_hyphen=True)] = None
     drop_walls: Flag = False
+    unite: Flag = False
 
 
 @Parameter(name="*")
@@ -148,6 +150,7 @@ class ReadingOptions(RepairOptions):
         weld: Close gaps of a mesh up to this width, in its unit.
         fill_holes: Fill a mesh's holes of at most so many edges.
         drop_walls: Leave out a mesh's walls inside, and faces that bound no solid.
+        unite: Make one body of a mesh's closed parts that overlap each other.
         component: Which of a mesh's components to take: its number, 1 or largest for that of the largest
             volume, or all, each on its own.
         part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.

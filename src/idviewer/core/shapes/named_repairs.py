@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from idviewer.core.arrays import Floats, Ints
 from idviewer.core.shapes.repairs import RepairRecord, number_text
+from idviewer.core.shapes.shell_union import unite_shells
 from idviewer.core.validation.file_numbering import FileNumbering
 from idviewer.core.validation.findings import Finding
 from idviewer.core.validation.hole_filling import fill_holes, holes
@@ -102,6 +104,29 @@ def _suggest_filling(surface: Surface) -> int | None:
     return max(sizes) if sizes else None
 
 
+def _unite(surface: Surface, _: bool) -> tuple[Surface, RepairRecord]:
+    report = validate(PolygonSoup.of(surface.vertices, surface.faces))
+    united = unite_shells(report.vertices, report.faces)
+    if united is None:
+        return surface, RepairRecord("unite", True, 0, "Unite parts: no two closed parts overlap")
+    sentence = (
+        f"Unite parts: {united.shells:,} parts become {united.left:,}, "
+        f"volume {united.before:.6g} (what is covered twice counted twice) becomes {united.after:.6g}"
+    )
+    came_from = np.full(len(united.vertices), -1)
+    distance, nearest = cKDTree(report.vertices).query(united.vertices)
+    same = distance <= 1e-12 * report.size
+    came_from[same] = nearest[same]
+    numbering = surface.numbering.followed_by(report.numbering).split(came_from)
+    record = RepairRecord("unite", True, united.shells, sentence)
+    return Surface(united.vertices, united.faces, numbering), record
+
+
+def _suggest_uniting(surface: Surface) -> bool:
+    report = validate(PolygonSoup.of(surface.vertices, surface.faces))
+    return any(finding.kind == "crossing_shells" for finding in report.findings)
+
+
 def wall_record(findings: Iterable[Finding]) -> RepairRecord:
     """The account of the faces that a validation left out as walls.
 
@@ -151,6 +176,15 @@ NAMED_REPAIRS = {
             False,
             None,
             _suggest_dropping,
+        ),
+        NamedRepair(
+            "unite",
+            "Unite parts",
+            "Closed parts that overlap each other become one body: what they cover twice is covered once.",
+            "",
+            False,
+            _unite,
+            _suggest_uniting,
         ),
     )
 }

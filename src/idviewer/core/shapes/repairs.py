@@ -17,6 +17,7 @@ class Repairs:
         weld: the widest gap that is closed, in the shape's unit; None welds nothing.
         fill_holes: the most edges of a hole that is filled; None fills none.
         drop_walls: leave out faces that have the solid on both sides, or on neither.
+        unite: make one body of closed parts that overlap each other.
 
     Raises:
         ShapeError: a width that is no positive number, or holes of fewer than three edges.
@@ -30,6 +31,7 @@ class Repairs:
     weld: float | None = None
     fill_holes: int | None = None
     drop_walls: bool = False
+    unite: bool = False
 
     def __post_init__(self) -> None:
         if self.weld is not None and not (math.isfinite(self.weld) and self.weld > 0.0):
