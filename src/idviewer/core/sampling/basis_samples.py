@@ -10,7 +10,6 @@ import numpy as np
 
 from idviewer.core.arrays import Floats, in_space
 from idviewer.core.coordinates import Coordinates
-from idviewer.core.coordinates.overlap_guard import no_value_remark
 from idviewer.core.coordinates.overlap_guard import NO_VALUE
 from idviewer.core.coordinates.weight_sums import WEIGHT_SUMS
 from idviewer.core.interior.point_placement import place_points
