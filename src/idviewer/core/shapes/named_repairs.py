@@ -108,9 +108,10 @@ def _unite(surface: Surface, _: bool) -> tuple[Surface, RepairRecord]:
     report = validate(PolygonSoup.of(surface.vertices, surface.faces))
     united = unite_shells(report.vertices, report.faces)
     if united is None:
-        return surface, RepairRecord("unite", True, 0, "Unite parts: no two closed parts overlap")
+        return surface, RepairRecord("unite", True, 0, "Unite parts: nothing overlaps")
+    parts = f"{united.shells:,} {'part becomes' if united.shells == 1 else 'parts become'} {united.left:,}"
     sentence = (
-        f"Unite parts: {united.shells:,} parts become {united.left:,}, "
+        f"Unite parts: {parts}, "
         f"volume {united.before:.6g} (what is covered twice counted twice) becomes {united.after:.6g}"
     )
     came_from = np.full(len(united.vertices), -1)
@@ -124,7 +125,7 @@ def _unite(surface: Surface, _: bool) -> tuple[Surface, RepairRecord]:
 
 def _suggest_uniting(surface: Surface) -> bool:
     report = validate(PolygonSoup.of(surface.vertices, surface.faces))
-    return any(finding.kind == "crossing_shells" for finding in report.findings)
+    return any(finding.kind in ("crossing_shells", "self_intersections") for finding in report.findings)
 
 
 def wall_record(findings: Iterable[Finding]) -> RepairRecord:
@@ -180,7 +181,7 @@ NAMED_REPAIRS = {
         NamedRepair(
             "unite",
             "Unite parts",
-            "Closed parts that overlap each other become one body: what they cover twice is covered once.",
+            "Closed parts that overlap, each other or themselves, become one body: nothing is covered twice.",
             "",
             False,
             _unite,

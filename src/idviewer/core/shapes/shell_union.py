@@ -8,6 +8,7 @@ import manifold3d
 import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
+from idviewer.core.shapes.solid_parts import simple_parts
 from idviewer.core.validation.soup_repairs import volume_and_area, without_unused_vertices
 from idviewer.core.validation.topology import Topology
 
@@ -33,14 +34,14 @@ class ShellUnion(NamedTuple):
 
 
 def unite_shells(vertices: Floats, faces: Ints) -> ShellUnion | None:
-    """Unite the closed shells of a surface; those that are wound inward are taken away as voids.
+    """Unite the closed shells of a surface, each also with itself; those wound inward are taken away.
 
     Args:
         vertices: (n, 3).
         faces: (m, 3), all shells closed and wound alike in themselves.
 
     Returns:
-        None where a shell is not closed, or no two of them overlap.
+        None where a shell is not closed, or nothing overlaps.
 
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -62,7 +63,7 @@ def unite_shells(vertices: Floats, faces: Ints) -> ShellUnion | None:
         made = manifold3d.Manifold(manifold3d.Mesh64(own_vertices, np.ascontiguousarray(turned, np.uint64)))
         if made.is_empty():
             return None
-        (solids if sign > 0.0 else voids).append(made)
+        (solids if sign > 0.0 else voids).extend(simple_parts(made))
     united = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
     if voids:
         united = united - manifold3d.Manifold.batch_boolean(voids, manifold3d.OpType.Add)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,14 +11,8 @@ import numpy as np
 from idviewer.core.shapes.mesh import Mesh, MeshError
 from idviewer.core.shapes.mesh_repair import repair_mesh
 from idviewer.core.shapes.shape import MeshLike, as_mesh
-from idviewer.core.validation.self_intersections import SelfIntersections, self_intersections_of
+from idviewer.core.shapes.solid_parts import crossings_of, simple_parts
 from idviewer.core.validation.topology import Topology
-
-CUTS = tuple(itertools.product(range(3), (0.3, 0.5, 0.7)))
-"""Axes of the planes that a part is tried to be cut by, and where in its box they lie."""
-
-DEEPEST_CUT = 8
-"""A part is cut so many times at most."""
 
 
 @dataclass(frozen=True)
@@ -98,10 +91,9 @@ def unite_mesh(mesh: MeshLike) -> Union:
         return Union(mesh, before, before)
     name, unit = f"{mesh.name}: " if mesh.name else "", mesh.diagonal
     corners = manifold3d.Mesh64((mesh.vertices - mesh.centre) / unit, mesh.faces.astype(np.uint64))
-    parts: list[manifold3d.Manifold] = []
-    _cut(manifold3d.Manifold(corners), DEEPEST_CUT, parts)
+    parts = simple_parts(manifold3d.Manifold(corners))
     united = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
-    if not parts or _crossings(united):
+    if not parts or crossings_of(united):
         raise MeshError(
             f"{name}the body cannot be united with itself: cut into parts, it still overlaps itself near "
             f"{tuple(round(x, 4) for x in mesh.self_intersections.places[0])}; mend it in a mesh editor"
@@ -112,35 +104,3 @@ def unite_mesh(mesh: MeshLike) -> Union:
     result = repair_mesh(vertices, faces, mesh.name)
     result = result.with_labels(notes=(*mesh.notes, *result.notes), unit=mesh.unit)
     return Union(result, before, Sizes.of(result))
-
-
-def _crossings(part: manifold3d.Manifold) -> SelfIntersections:
-    """Faces of a part that cross each other."""
-    mesh = part.to_mesh64()
-    return self_intersections_of(
-        np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
-    )
-
-
-def _pieces(body: manifold3d.Manifold) -> list[tuple[manifold3d.Manifold, SelfIntersections]]:
-    """The components of a body that are not inside out, with the faces of each that cross each other."""
-    return [(piece, _crossings(piece)) for piece in body.decompose() if piece.volume() > 0.0]
-
-
-def _cut(body: manifold3d.Manifold, times: int, parts: list[manifold3d.Manifold]) -> None:
-    """Append parts of a body, cut until none overlaps itself, or so many times."""
-    for piece, crossing in _pieces(body):
-        if not crossing or times == 0:
-            parts.append(piece)
-            continue
-        box = np.array(piece.bounding_box()).reshape(2, 3)
-        tried: list[tuple[int, int, tuple[manifold3d.Manifold, manifold3d.Manifold]]] = []
-        for axis, share in CUTS:
-            height = float(box[0, axis] + share * (box[1, axis] - box[0, axis]))
-            halves = piece.split_by_plane(np.eye(3)[axis].tolist(), height)
-            left = sum(len(found) for half in halves for _, found in _pieces(half))
-            tried.append((left, len(tried), halves))
-            if left == 0:
-                break
-        for half in min(tried, key=lambda one: one[:2])[2]:
-            _cut(half, times - 1, parts)
