@@ -25,6 +25,7 @@ import gui
 import machine
 import memory
 import opening
+import overlaps
 import preparation
 import refinement
 import sliders
@@ -59,6 +60,7 @@ SUBJECTS: dict[str, ModuleType] = {
         preparation,
         spectrum,
         opening,
+        overlaps,
         refinement,
         batch_growth,
     )

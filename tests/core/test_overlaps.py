@@ -24,7 +24,7 @@ from idviewer.core.coordinates import coordinates_of
 from idviewer.core.coordinates.mean_value_mesh import MeshMeanValue
 from idviewer.core.coordinates.weight_sums import WEIGHT_SUMS
 from idviewer.core.sampling import SourceError, remarks_on, slice_values
-from idviewer.core.shapes import Plane
+from idviewer.core.shapes import Plane, Ray, middle_of_first_chord
 from idviewer.core.shapes.nearest_points import nearest_points
 from idviewer.core.shapes.winding_numbers import WindingNumbers
 from idviewer.core.slices.covered_outlines import covered_outline
@@ -278,3 +278,15 @@ def test_coordinates_that_are_never_negative_say_so(kind: str) -> None:
     found = slice_values(solver, Plane.along("z", 0.5, solver.shape.bounds), nodes=40)
     assert not found.negativity.any()
     assert remarks_on(solver.coordinates) == ()
+
+
+def test_a_ray_finds_the_whole_stretch_through_two_arms() -> None:
+    mesh = body("pushed boxes")
+    middle = middle_of_first_chord(mesh, Ray((0.05, -2.0, 0.1), (0.0, 1.0, 0.0)))
+    samples = np.linspace(-1.0, 4.0, 20001)
+    line = np.column_stack([np.full_like(samples, 0.05), samples, np.full_like(samples, 0.1)])
+    inside = WindingNumbers(mesh).at(line) > 0
+    first = int(np.argmax(inside))
+    last = first + int(np.argmin(inside[first:]))
+    assert middle is not None
+    assert middle[1] == pytest.approx(0.5 * (samples[first] + samples[last]), abs=1e-3)

@@ -60,10 +60,12 @@ class Crossings:
     Attributes:
         distances: (c,) how far along the ray, in lengths of its direction.
         points: (c, 3) positions, on the surface to 1e-12 of its size.
+        exits: (c,) which of them lead out.
     """
 
     distances: Floats
     points: Floats
+    exits: Bools
 
 
 def crossings(mesh: Mesh, ray: Ray) -> Crossings:
@@ -90,14 +92,14 @@ def crossings(mesh: Mesh, ray: Ray) -> Crossings:
     middle, radius = -float(relative @ direction), 0.5 * mesh.diagonal
     start, stop = max(middle - 1.01 * radius, 0.0), middle + 1.03 * radius
     if start >= stop:
-        return Crossings(np.empty(0), np.empty((0, 3)))
+        return Crossings(np.empty(0), np.empty((0, 3)), np.empty(0, dtype=np.bool_))
     places = np.linspace(start, stop, RAY_PIECES + 1)
     for step in range(MOST_SHIFTS + 1):
         shifted = relative + step * RELATIVE_SHIFT * mesh.diagonal * GENERAL_DIRECTION
         distances, points, exits = _cast(mesh, shifted, direction, places)
         if _alternate(exits):
             break
-    return Crossings(distances / length, points + mesh.centre)
+    return Crossings(distances / length, points + mesh.centre, exits)
 
 
 _MANIFOLDS: WeakKeyDictionary[Mesh, manifold3d.Manifold] = WeakKeyDictionary()
@@ -141,6 +143,13 @@ def middle_of_first_chord(mesh: Mesh, ray: Ray) -> Floats | None:
     met = crossings(mesh, ray)
     if len(met.distances) == 0:
         return None
-    starts_inside = len(met.distances) % 2 == 1
-    near, far = (np.array(ray.origin), met.points[0]) if starts_inside else met.points[:2]
-    return 0.5 * (near + far)
+    # How many times the surface goes round each stretch: beyond the last crossing it does not.
+    steps = np.where(met.exits, -1, 1)
+    depths = np.append(0, np.cumsum(steps)) - steps.sum()
+    ends = np.concatenate([[ray.origin], met.points])
+    inside = np.flatnonzero(depths > 0)
+    if len(inside) == 0:
+        return None
+    first = int(inside[0])
+    last = first + int(np.argmax(depths[first:] <= 0))
+    return 0.5 * (ends[first] + ends[last])
