@@ -140,7 +140,8 @@ class ShellBridges:
 
     def _contact(self, one: int, other: int) -> _Contact:
         """Where two shells are nearest."""
-        ends = np.concatenate([self._pairs(one, other), self._pairs(other, one)[:, ::-1]])
+        reach = self._reach(one, other)
+        ends = np.concatenate([self._pairs(one, other, reach), self._pairs(other, one, reach)[:, ::-1]])
         lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         best = int(np.argmin(lengths - BRIDGES.preference * (ends[:, 0] @ PREFERRED_DIRECTION)))
         # Where surfaces run side by side, a bridge stands in the middle of that stretch, not on its rim.
@@ -154,20 +155,23 @@ class ShellBridges:
             last = a
             b = self._surfaces[other].closest(a[None]).points[0]
             a = self._surfaces[one].closest(b[None]).points[0]
-            if np.array_equal(a, last):
+            if np.linalg.norm(a - last) <= 1e-9 * np.linalg.norm(b - a):
                 break
         return _Contact(float(np.linalg.norm(b - a)), np.stack([a, b]))
 
-    def _pairs(self, one: int, other: int) -> Floats:
+    def _reach(self, one: int, other: int) -> float:
+        """Distance between the nearest vertices of two shells."""
+        small, large = sorted((one, other), key=lambda shell: len(self._numbers[shell]))
+        return float(self._surfaces[large].vertex_distances(self._vertices[self._numbers[small]]).min())
+
+    def _pairs(self, one: int, other: int, reach: float) -> Floats:
         """Vertices of a shell that may be near another, and the closest points there, (p, 2, 3)."""
-        points, target = self._vertices[self._numbers[one]], self._surfaces[other]
-        reach = target.vertex_distances(points)
-        corners = self._vertices[self._numbers[other]]
-        # The preference is worth less than the extent of either shell.
-        margin = reach.min() + BRIDGES.preference * float(np.ptp(points, axis=0).max())
+        points, corners = self._vertices[self._numbers[one]], self._vertices[self._numbers[other]]
+        # The preference is worth less than the extent of either shell. What rounding takes is given back.
+        margin = (1.0 + 1e-9) * reach + BRIDGES.preference * float(np.ptp(points, axis=0).max())
         low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
-        points = points[((points >= low) & (points <= high)).all(axis=1) | (reach == reach.min())]
-        return np.stack([points, target.closest(points).points], axis=1)
+        points = points[((points >= low) & (points <= high)).all(axis=1)]
+        return np.stack([points, self._surfaces[other].closest(points).points], axis=1)
 
     def _bridge(self, one: int, other: int, contact: _Contact) -> Bridge:
         areas = [self._surfaces[shell].area for shell in (one, other)]
