@@ -114,6 +114,15 @@ def test_walls_inside_are_left_out(run: Run, tmp_path: Path) -> None:
     assert trimesh.load_mesh("one.off").volume == pytest.approx(2.0)
 
 
+def test_parts_that_overlap_are_united(run: Run, tmp_path: Path) -> None:
+    two = shapes.joined(shapes.cube(), shapes.moved(shapes.cube(), 0.5, 0.25, 0.125))
+    (tmp_path / "two.off").write_bytes(meshfiles.off(*two))
+    assert "--unite" in refused(run("repair", "two.off", "one.off"))
+    answer = run("repair", "two.off", "one.off", "--unite")
+    assert "2 parts become 1" in answer.out
+    assert trimesh.load_mesh("one.off").volume == pytest.approx(2.0 - 0.5 * 0.75 * 0.875)
+
+
 @pytest.mark.parametrize(
     ("out", "words"),
     [("whole.glb", ".ply, .off, .obj, .stl"), ("nowhere/whole.ply", "no folder"), ("folder.ply", "a folder")],
