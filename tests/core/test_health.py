@@ -62,3 +62,10 @@ def test_what_makes_no_surface_has_faults_and_no_places() -> None:
     assert health.faults[0].kind == "index_out_of_range"
     assert health.faults[0].places == ()
     assert len(health.faces) == 0
+
+
+def test_a_great_many_places_are_all_there_the_last_ones_in_one() -> None:
+    arrays = shapes.soup(shapes.icosphere(2))
+    apart = arrays[0] * (1.0 + np.arange(len(arrays[0]))[:, None] // 3)
+    places = faults((apart, arrays[1]))["boundary_edges"].places
+    assert [len(place.segments) for place in places] == [3] * 200 + [3 * 120]

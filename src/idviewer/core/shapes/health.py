@@ -17,7 +17,7 @@ from idviewer.core.validation.topology import Topology, component_labels
 from idviewer.core.validation.validation_report import ValidationReport
 
 MOST_PLACES = 200
-"""Of one fault that can be gone to, the largest first."""
+"""Of one fault that can be gone to, the largest first; what is left makes one more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,8 +169,11 @@ def _faces_at(chosen: Ints, report: ValidationReport) -> tuple[FaultPlace, ...]:
 
 def _grouped(labels: Ints, make: Callable[[Bools], FaultPlace]) -> tuple[FaultPlace, ...]:
     counts = np.bincount(labels)
-    largest = np.argsort(-counts, kind="stable")[:MOST_PLACES]
-    return tuple(make(labels == label) for label in largest if counts[label])
+    largest = np.argsort(-counts, kind="stable")[: np.count_nonzero(counts)]
+    groups = [labels == label for label in largest[:MOST_PLACES]]
+    if len(largest) > MOST_PLACES:
+        groups.append(np.isin(labels, largest[MOST_PLACES:]))
+    return tuple(make(group) for group in groups)
 
 
 def _boundary(report: ValidationReport) -> tuple[FaultPlace, ...]:
