@@ -23,6 +23,7 @@ from idviewer.core import (
     Polygon,
     PolygonError,
     ShapeError,
+    read_mesh,
     read_polygon,
 )
 from idviewer.core.shapes.shape import as_mesh, as_polygon, as_shape
@@ -58,6 +59,11 @@ def read_back(polygon: Any, folder: Path) -> np.ndarray:
     return read_polygon(folder / "polygon.json").vertices
 
 
+def mesh_read_back(mesh: Any, folder: Path) -> np.ndarray:
+    idviewer.core.write_mesh(mesh, folder / "mesh.ply")
+    return read_mesh(folder / "mesh.ply").vertices
+
+
 CALLS: dict[str, tuple[set[int], Callable[[Any, Path], Any]]] = {
     "InteriorDistance": ({2, 3}, lambda shape, _: distances(shape)),
     "MeanValueCoordinates": (
@@ -83,14 +89,16 @@ CALLS: dict[str, tuple[set[int], Callable[[Any, Path], Any]]] = {
         {3},
         lambda shape, _: idviewer.core.section(shape, Plane((0, 0, 0.1), (0, 0, 1))).points,
     ),
+    "unite_mesh": ({3}, lambda shape, _: idviewer.core.unite_mesh(shape).mesh.vertices),
     "voronoi_areas": ({3}, lambda shape, _: idviewer.core.voronoi_areas(shape)),
     "voronoi_lengths": ({2}, lambda shape, _: idviewer.core.voronoi_lengths(shape)),
+    "write_mesh": ({3}, mesh_read_back),
     "write_polygon": ({2}, read_back),
 }
 """Of each entry: the dimensions in which it works, and a call."""
 
-NO_ENTRIES = {"Coordinates", "Distance"}
-"""Bases; what derives from them is asked below, or takes a shape from a solver."""
+NO_ENTRIES = {"Coordinates", "Distance", "Union"}
+"""Bases, what derives from which is asked below, or takes a shape from a solver; and a result."""
 
 
 def takes_a_shape(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Whole files that mutants are made of: at least one of every suffix that is read."""
+"""Whole files that mutants are made of: at least one of every format that is read."""
 
 from __future__ import annotations
 
@@ -6,28 +6,30 @@ import io
 import json
 import struct
 import zipfile
+from functools import cache
 from pathlib import Path
 
 from tests.core import meshfiles, shapes
 from tests.core.polygonfiles import CSV, HOLED, RING, drawing, path
+from tests.fuzz.volume_seeds import volume_seeds
 
 from idviewer.core.io import readable_suffixes
 from idviewer.core.io.formats import format_of
-from idviewer.core.io.library_readers import read_freesurfer
 from idviewer.view.vtk_files import register_vtk_reader
 
 SLOW_SUFFIXES = (".vtp", ".vtu", ".vtk", ".msh", ".gii", ".pial")
 """Of files that a process of its own reads: one trial in twenty is of these."""
 
 
+@cache
 def seeds() -> dict[str, list[bytes]]:
     """Files by their suffix.
 
     Raises:
-        AssertionError: a suffix that is read has none.
+        AssertionError: a format that is read has none.
     """
     register_vtk_reader()
-    made: dict[str, list[bytes]] = {}
+    made = volume_seeds()
     for suffix, write in (*meshfiles.WRITERS.values(), (".vtp", meshfiles.vtp)):
         bodies = (shapes.tetrahedron(), shapes.cube(), shapes.soup(shapes.cube()))
         made.setdefault(suffix, []).extend(write(*body) for body in bodies)
@@ -53,10 +55,9 @@ def seeds() -> dict[str, list[bytes]]:
     made[".gii"] = [_gifti().encode()]
     body = struct.pack(">2i12f12i", 4, 4, *shapes.tetrahedron()[0].ravel(), *shapes.tetrahedron()[1].ravel())
     made[".pial"] = [b"\xff\xff\xfemade by a test\n\n" + body]
+    readers = {_reader(suffix) for suffix in made}
     for suffix in readable_suffixes():
-        if format_of(Path(f"lh{suffix}")).read is read_freesurfer:  # one of them stands for all
-            continue
-        assert made.get(suffix), f"no seed for {suffix}"
+        assert _reader(suffix) in readers, f"no seed for {suffix}"
     return made
 
 
@@ -99,6 +100,12 @@ def _gifti() -> str:
             f'ExternalFileName="" ExternalFileOffset=""><Data>{rows}</Data></DataArray>'
         )
     return f'<?xml version="1.0"?><GIFTI Version="1.0" NumberOfDataArrays="2">{arrays}</GIFTI>'
+
+
+def _reader(suffix: str) -> object:
+    known = format_of(Path(f"a{suffix}"))
+    assert known is not None
+    return known.read
 
 
 def _grid() -> str:

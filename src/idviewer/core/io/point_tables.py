@@ -63,9 +63,9 @@ def read_points(data: bytes, dimension: int) -> PointTable:
         UnreadableError: it holds no points, a row has something else than numbers, or it cannot be told
             which columns are meant.
 
-    >>> table = read_points(b"# written by hand\nid;x;y;z\nA;0,5;1;2\n", 3)
+    >>> table = read_points(b"# written by hand\nid;x;y;z\nA;0,5;1,0;2,5\n", 3)
     >>> table.points.tolist(), table.columns, table.rounding.round(3).tolist()
-    ([[0.5, 1.0, 2.0]], (1, 2, 3), [0.087])
+    ([[0.5, 1.0, 2.5]], (1, 2, 3), [0.087])
     """
     table = table_of(text_of(data))
     wanted = ",".join(AXIS_NAMES[:dimension])
