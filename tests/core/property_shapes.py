@@ -22,6 +22,7 @@ from idviewer.core import (
     GivenDistances,
     GivenEmbedding,
     InteriorDistance,
+    MeanValueCoordinates,
     Mesh,
     Polygon,
     Property,
@@ -96,7 +97,7 @@ def pairs(name: str, count: int = 20) -> tuple[np.ndarray, np.ndarray]:
 def inside(body: Body, rng: np.random.Generator, count: int) -> np.ndarray:
     """Random points in the interior."""
     points = rng.uniform(*body.bounds, size=(40 * count, body.dimension))
-    return points[InteriorDistance(body, Euclidean()).contains(points)][:count]
+    return points[MeanValueCoordinates(body).contains(points)][:count]
 
 
 def with_vertices(body: Body, vertices: np.ndarray) -> Body:

@@ -21,6 +21,7 @@ from idviewer.core import (
     Geodesic,
     GivenEmbedding,
     InteriorDistance,
+    MeanValueCoordinates,
     Property,
     read_shape,
     sample_path,
@@ -81,7 +82,8 @@ def test_metric_of_full_rank(name, kind, coordinates, rng):
     p = np.repeat(points, 40, axis=0)
     q = p + body.diagonal * 10.0 ** rng.uniform(-8, -1, (len(p), 1)) * rng.standard_normal(p.shape)
     distances, straight = solver.distance(p, q), np.linalg.norm(p - q, axis=1)
-    within = np.isfinite(distances)
+    # Points hardly outside have the distance of the nearest on the surface.
+    within = np.isfinite(distances) & MeanValueCoordinates(body).contains(q)
     assert within.sum() > 0.5 * len(p)
     assert (distances[within] >= (1 - 1e-6) * bound * straight[within]).all()
 
