@@ -139,3 +139,18 @@ class TestComponents:
 
 def test_one_frame_keeps_its_scale() -> None:
     assert on_one_scale(["frame"]) == ["frame"]  # type: ignore[list-item]
+
+
+class TestParts:
+    def test_all_labels_of_a_volume_each_on_its_own(self, run: Run, tmp_path: Path) -> None:
+        voxels = np.zeros((9, 6, 6), np.uint8)
+        voxels[1:4, 1:4, 1:4], voxels[5:8, 1:5, 1:5] = 3, 7
+        path = tmp_path / "labels.npy"
+        np.save(path, voxels)
+        answer = run("barycentroid", str(path), "--label", "all", "--distance", "euclidean", "--no-cache")
+        centres = [[float(cell) for cell in row[1:4]] for row in rows(answer.out)[1:]]
+        np.testing.assert_allclose(centres, [[2.0, 2.0, 2.0], [6.0, 2.5, 2.5]], atol=0.02)
+        assert "part 7 is component 2 of the result" in answer.err
+        told = json.loads(run("info", str(path), "--label", "all", "--refine", "no", "--json").out)
+        assert [one["name"] for one in told["components"]] == [f"{path}, part 3", f"{path}, part 7"]
+        np.testing.assert_allclose([one["volume"] for one in told["components"]], [27.0, 48.0], rtol=0.01)

@@ -25,7 +25,6 @@ from idviewer.cli import (
     point_distances,
 )
 from idviewer.cli.options import (
-    EVERY_COMPONENT,
     BodyChoice,
     DisplayOptions,
     DistanceOptions,
@@ -102,7 +101,7 @@ def render(
     commands.check_picture(query, display)
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
-    if reading.component == EVERY_COMPONENT:
+    if reading.takes_all:
         from idviewer.cli import components
 
         components.draw(components.shapes_of(shape, reading), out, chosen, query, display, cache)
@@ -138,7 +137,7 @@ def distance(
         )
     chosen = distance_options.chosen_distance(options)
     cache = commands.cache_of(reading.no_cache)
-    if reading.component == EVERY_COMPONENT:
+    if reading.takes_all:
         from idviewer.cli import components
 
         shapes = components.shapes_of(shape, reading)
@@ -164,7 +163,7 @@ def barycentroid(
         json: Print JSON.
     """
     chosen = distance_options.chosen_distance(options)
-    if reading.component == EVERY_COMPONENT:
+    if reading.takes_all:
         from idviewer.cli import components
 
         shapes, cache = components.shapes_of(shape, reading), commands.cache_of(reading.no_cache)

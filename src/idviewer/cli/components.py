@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from idviewer.cli import commands, output, parsing, point_distances, shape_info
-from idviewer.cli.options import DisplayOptions, Endpoints, PictureQuery, ReadingOptions
+from idviewer.cli.options import EVERY_COMPONENT, DisplayOptions, Endpoints, PictureQuery, ReadingOptions
 
 if TYPE_CHECKING:
     from idviewer.cli.distance_options import ChosenDistance
@@ -21,18 +21,28 @@ if TYPE_CHECKING:
 
 
 def shapes_of(name: str, reading: ReadingOptions) -> tuple[Shape, ...]:
-    """All components of the mesh of that name; the repairs are told on standard error, once each."""
-    from idviewer.core import read_meshes
+    """All components or parts in the file of that name; what was repaired is told on standard error."""
+    from idviewer.core import read_mesh, read_meshes
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
     path = parsing.path_of(name)
     if shape_info.is_polygon(path):
-        raise ValueError(f"{name}: a polygon has no components; leave --component out")
-    meshes = read_meshes(path, reading.part, parsing.repairs_of(reading))
-    for note in dict.fromkeys(note for mesh in meshes for note in mesh.notes):
+        raise ValueError(f"{name}: a polygon has no components, and one is taken at a time; choose it by --part NAME")
+    repairs = parsing.repairs_of(reading)
+    shapes: list[Shape] = []
+    for part in parsing.parts_of(path) if reading.part == EVERY_COMPONENT else [reading.part]:
+        if reading.component == EVERY_COMPONENT:
+            found = list(read_meshes(path, part, repairs))
+        else:
+            found = [read_mesh(path, parsing.component_of(reading.component), part, repairs)]
+        if part is not None:
+            numbers = ", ".join(str(len(shapes) + one) for one in range(1, len(found) + 1))
+            print(f"idviewer: {name}: part {part} is component {numbers} of the result", file=sys.stderr)
+        shapes += found
+    for note in dict.fromkeys(note for shape in shapes for note in shape.notes):
         print(f"idviewer: {name}: {note}", file=sys.stderr)
-    return meshes
+    return tuple(shapes)
 
 
 def barycentroids(

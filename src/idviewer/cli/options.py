@@ -153,10 +153,16 @@ class ReadingOptions(RepairOptions):
         unite: Make one body of a mesh's closed parts that overlap each other.
         component: Which of a mesh's components to take: its number, 1 or largest for that of the largest
             volume, or all, each on its own.
-        part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold.
+        part: Which of several shapes in a file to take, by its name; the label of a volume, or a threshold;
+            or all, each on its own.
         no_cache: Neither read nor keep eigenpairs on disk.
     """
 
     component: Component = None
     part: PartName = None
     no_cache: NoCache = False
+
+    @property
+    def takes_all(self) -> bool:
+        """Whether all components, or all parts of a file, are to be taken, each on its own."""
+        return EVERY_COMPONENT in (self.component, self.part)

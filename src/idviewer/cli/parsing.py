@@ -71,6 +71,20 @@ def component_of(text: str | None) -> ComponentChoice | None:
         ) from None
 
 
+def parts_of(path: Path) -> list[str | None]:
+    """Names of the shapes in a file; none has a name where there is only one."""
+    from idviewer.core import ShapeError
+    from idviewer.core.io import inspect_file
+
+    try:
+        inspect_file(path)
+    except ShapeError as error:
+        if not error.parts:
+            raise
+        return [part.name for part in error.parts]
+    return [None]
+
+
 def shape_of(name: str, reading: ReadingOptions | None = None) -> Shape:
     """The mesh or polygon of that name; the repairs that it needed are told on standard error."""
     from idviewer.core import read_shape

@@ -31,30 +31,38 @@ def mesh(
 ) -> tuple[str, bool]:
     """The report on a mesh or its components after repairs, in words or JSON, and whether it can be used."""
     from idviewer.core import ShapeError
-    from idviewer.core.io import inspect_file
     from idviewer.view.vtk_files import register_vtk_reader
 
     register_vtk_reader()
-    component = choice.component
-    if component != EVERY_COMPONENT:
-        try:
-            content, text, usable = _of_mesh(name, path, choice, repairs, refine)
-        except ShapeError as error:
-            if not error.parts:
-                raise
-            return _several("mesh", name, error, json), False
+    try:
+        bodies = _bodies(name, path, choice, repairs)
+        found = [(title, *_of_mesh(title, path, body, repairs, refine)) for title, body in bodies]
+    except ShapeError as error:
+        if not error.parts:
+            raise
+        return _several("mesh", name, error, json), False
+    usable = all(fit for *_, fit in found)
+    if EVERY_COMPONENT not in (choice.component, choice.part):
+        _, content, text, _ = found[0]
         return (output.as_json({"mesh": name, **content}) if json else text), usable
-    count = max(1, len(inspect_file(path, choice.part, repairs, 1).component_list))
-    numbers = range(1, count + 1)
-    found = [
-        _of_mesh(f"{name}, component {one}", path, BodyChoice(str(one), choice.part), repairs, refine)
-        for one in numbers
-    ]
-    usable = all(fit for _, _, fit in found)
     if json:
-        listed = [{"component": one, **content} for one, (content, _, _) in zip(numbers, found, strict=True)]
+        listed = [{"name": title, "component": n, **told} for n, (title, told, *_) in enumerate(found, 1)]
         return output.as_json({"mesh": name, "usable": usable, "components": listed}), usable
-    return "\n\n".join(text for _, text, _ in found), usable
+    return "\n\n".join(text for _, _, text, _ in found), usable
+
+
+def _bodies(name: str, path: Path, choice: BodyChoice, repairs: Repairs) -> Iterable[tuple[str, BodyChoice]]:
+    """The bodies that are meant, each with its title."""
+    from idviewer.core.io import inspect_file
+
+    for part in parsing.parts_of(path) if choice.part == EVERY_COMPONENT else [choice.part]:
+        title = name if part is None or choice.part != EVERY_COMPONENT else f"{name}, part {part}"
+        if choice.component != EVERY_COMPONENT:
+            yield title, BodyChoice(choice.component, part)
+            continue
+        count = max(1, len(inspect_file(path, part, repairs, 1).component_list))
+        for one in range(1, count + 1):
+            yield f"{title}, component {one}", BodyChoice(str(one), part)
 
 
 def _of_mesh(
