@@ -65,7 +65,7 @@ class Body:
     @cached_property
     def solver(self) -> InteriorDistance:
         """The exact one."""
-        return InteriorDistance(self.mesh)
+        return InteriorDistance(self.mesh, refine="no")
 
     @cached_property
     def pipeline(self) -> Pipeline:

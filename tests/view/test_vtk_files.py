@@ -23,8 +23,9 @@ from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from idviewer.cli import shape_info
+from idviewer.cli.options import BodyChoice
 from idviewer.cli.parsing import shape_of
-from idviewer.core import Mesh, MeshError, read_mesh, repair_mesh
+from idviewer.core import Mesh, MeshError, Repairs, read_mesh, repair_mesh
 from idviewer.core.io import Contents, FileSource, UnreadableError, formats, readable_suffixes
 from idviewer.view import vtk_reader_process
 from idviewer.view.vtk_files import VTK_SUFFIXES, read_vtk, register_vtk_reader
@@ -238,7 +239,7 @@ def test_when_registered_they_are_read_like_other_files(tmp_path, monkeypatch):
 def test_the_command_line_reads_them(tmp_path):
     path = tmp_path / "cube.vtp"
     path.write_bytes(meshfiles.vtp(*shapes.cube()))
-    text, usable = shape_info.mesh("cube", path, None, json=False)
+    text, usable = shape_info.mesh("cube", path, BodyChoice(), Repairs(), "no", json=False)
     assert usable
     assert "12" in text
     assert shape_of(str(path)).volume == pytest.approx(1.0)

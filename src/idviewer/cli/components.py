@@ -28,7 +28,9 @@ def shapes_of(name: str, reading: ReadingOptions) -> tuple[Shape, ...]:
     register_vtk_reader()
     path = parsing.path_of(name)
     if shape_info.is_polygon(path):
-        raise ValueError(f"{name}: a polygon has no components, and one is taken at a time; choose it by --part NAME")
+        raise ValueError(
+            f"{name}: a polygon has no components, and one is taken at a time; choose it by --part NAME"
+        )
     repairs = parsing.repairs_of(reading)
     shapes: list[Shape] = []
     for part in parsing.parts_of(path) if reading.part == EVERY_COMPONENT else [reading.part]:

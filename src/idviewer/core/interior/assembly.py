@@ -47,6 +47,11 @@ def part_steps(
         resolved = yield from boundary_steps(given, distance, checked_refinement(refine))
     else:
         resolved = Resolved.unrefined(given)
+    if spectrum is not None and len(spectrum.masses) != len(resolved.shape.vertices):
+        raise ValueError(
+            f"the eigenpairs are of a boundary with {len(spectrum.masses):,} vertices, and this one has "
+            f"{len(resolved.shape.vertices):,}; give those of the shape, or what boundary_steps made of it"
+        )
     boundary = EmbeddedBoundary(resolved.shape, distance, spectrum, resolved=resolved)
     return boundary, BasisInterpolation(boundary, coordinates_of(resolved.shape, coordinates), rtol)
 

@@ -241,10 +241,13 @@ class BrokenBodyError(MeshError):
             error.parts = parts
         else:
             # Into how many pieces a surface falls does not count beside what they come from.
-            findings = (one for one in outcome.report.findings if one.kind not in COMPONENT_KINDS)
-            fatal = [finding.message for finding in findings if finding.fatal]
+            fatal = [finding for finding in outcome.report.findings if finding.fatal]
+            told_of = [finding for finding in fatal if finding.kind not in COMPONENT_KINDS] or fatal
             start = f"{source}: " if source else ""
-            error = cls(f"{start}{'; '.join(fatal)}; {advice_text(advice)}", told.findings)
+            error = cls(
+                f"{start}{'; '.join(finding.message for finding in told_of)}; {advice_text(advice)}",
+                told.findings,
+            )
             error.advice = advice
         error.body = outcome.body
         return error

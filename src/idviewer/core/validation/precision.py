@@ -62,9 +62,9 @@ def precision_of(vertices: Floats, edges: Ints) -> Precision:
     >>> found.bits, found.step, found.rounded
     (32, 0.5, False)
     """
-    single = vertices.astype(np.float32)
-    is_single = bool(np.array_equal(single, vertices))
     largest = np.abs(vertices).max(axis=0)
+    with np.errstate(over="ignore", under="ignore"):  # what single precision cannot hold differs
+        is_single = bool(np.array_equal(vertices.astype(np.float32), vertices))
     steps = np.spacing(largest.astype(np.float32)) if is_single else np.spacing(largest)
     steps = steps.astype(np.float64)
     axis = int(np.argmax(steps))
