@@ -99,6 +99,10 @@ class _Marks:
         return *(actor for pair in self._pairs for actor in pair), self._dots
 
     def show(self, places: list[FaultPlace], place: Place) -> None:
+        if not places:  # as a rule: a polygon's dragged vertex is a new shape
+            for actor in self.actors:
+                actor.SetVisibility(False)
+            return
         segments = _joined([one.segments for one in places], 2)
         triangles = _joined([one.triangles for one in places], 3)
         dots = np.array([one.centre for one in places if one.radius == 0.0]).reshape(-1, 3)
