@@ -135,7 +135,7 @@ class MainWindow(QMainWindow):
     def _on_framed(self, frame: Frame) -> None:
         self.health.show_frame(frame)
         self.status.show_frame(frame, self.session.busy)
-        self.messages.remark(" ".join(frame.remarks))
+        self.messages.remark(" ".join(f"{remark.rstrip('.')}." for remark in frame.remarks))
         self.panel.show_state(self.session.state, frame)
         if self.session.busy and not frame.exact:
             self.status.show_progress(Progress("Refining"))

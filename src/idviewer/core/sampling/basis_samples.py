@@ -172,7 +172,7 @@ def remarks_on_negativity(negativity: Floats) -> tuple[str, ...]:
         return ()
     share = 100.0 * len(large) / len(negativity)
     return (
-        f"at {share:.2g} % of the points negative weights add up to more than "
+        f"At {share:.2g} % of the points negative weights add up to more than "
         f"{WEIGHT_SUMS.notable_negativity:g}, at most {large.max():.2g}: distances may exceed the boundary's "
         "largest by that share",
     )

@@ -127,7 +127,8 @@ def examine_steps(body: RawBody) -> Steps[Health]:
     yield
     findings = sorted(outcome.report.findings, key=lambda finding: not finding.fatal)
     faults = [_fault(finding, outcome.report) for finding in findings]
-    notes = [Fault("note", note, False) for note in body.notes]
+    told = {finding.note for finding in outcome.report.findings}
+    notes = [Fault("note", note, False) for note in body.notes if note not in told]
     suggested = yield from body.suggestion_steps()
     return Health(body, outcome, (*faults, *notes), suggested)
 
