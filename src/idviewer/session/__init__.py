@@ -1,5 +1,6 @@
 """State, pipeline, runner and session: contents of the display and their computation, without any window."""
 
+from idviewer.session.carried_query import is_complete
 from idviewer.session.eigenpair_source import EigenpairSource
 from idviewer.session.picking import FramePicker, Probe, Target
 from idviewer.session.pipeline import Pipeline
@@ -76,5 +77,6 @@ __all__ = [
     "axis_of",
     "default_plane",
     "describe_preview",
+    "is_complete",
     "run_to_end",
 ]

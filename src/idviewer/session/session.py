@@ -66,6 +66,7 @@ class Session:
             may still be the one before.
         ready: modes and barycentroid of this shape; None until they are known.
         busy: whether something is being computed or read.
+        stopped: whether computing was cancelled, so that nothing is computed until it is resumed.
         changed: Signal(old, new) after each change of the state.
         opened: Signal(shape, path), after `changed`; path is None for a shape handed over.
         prepared: Signal(ready), once for each shape, and again when another distance uses other modes.
@@ -89,7 +90,7 @@ class Session:
         self._pending: FrameRequest | None = None
         self._revisions: WeakSet[Shape] = WeakSet()
         """The shape that was opened, and what became of it by moving its vertices."""
-        self._cancelled = False
+        self.stopped = False
         self._closed = False
         self._runner = Runner(work or Pipeline(cache, previews=True).results, self._receive, post)
 
@@ -181,7 +182,7 @@ class Session:
     def cancel(self) -> None:
         """Stop computing or reading at the next checkpoint; what is shown stays."""
         if self.busy:
-            self._cancelled = self._reading is None
+            self.stopped = self.stopped or self._reading is None
             self._reading = None
             self._pending = None
             self._runner.submit(DropRequest())
@@ -189,7 +190,7 @@ class Session:
 
     def resume(self) -> None:
         """Compute what the state asks for and is not there."""
-        self._cancelled = False
+        self.stopped = False
         self._compute()
 
     def close(self) -> None:
@@ -210,7 +211,7 @@ class Session:
 
     def _forget_frames(self, shape: Shape | None) -> None:
         self.frame = self.ready = self._picker = None
-        self._cancelled = False
+        self.stopped = False
         self._revisions = WeakSet([] if shape is None else [shape])
 
     def _change(self, new: State) -> None:
@@ -218,7 +219,7 @@ class Session:
         if old == new:
             return
         self.changed.emit(old, new)
-        if (old.shape, old.query) != (new.shape, new.query) and not self._cancelled:
+        if (old.shape, old.query) != (new.shape, new.query) and not self.stopped:
             self._compute()
 
     def _compute(self) -> None:
@@ -288,7 +289,7 @@ class Session:
 
     def _go_on(self) -> None:
         """Compute what is shown where that is not done, or else rest."""
-        if self.state.shape is not None and not self._cancelled and not is_complete(self.frame, self.state):
+        if self.state.shape is not None and not self.stopped and not is_complete(self.frame, self.state):
             self._compute()
         else:
             self._pending = None

@@ -9,7 +9,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QSizePolicy, QStatusBar, QWidget
 
 from idviewer.core import Shape
-from idviewer.session import Frame, Probe, Progress, Ready, describe_preview
+from idviewer.session import Frame, Probe, Progress, Ready, State, describe_preview, is_complete
 from idviewer.view.coordinate_text import format_point, in_unit
 from idviewer.view.polygon_view import is_2d
 
@@ -123,6 +123,11 @@ class StatusLine(QStatusBar):
         self.bar.setValue(round(1000 * (progress.share or 0.0)))
         if self.bar.isHidden() and not self._delay.isActive():
             self._delay.start()
+
+    def show_rest(self, state: State, frame: Frame | None) -> None:
+        """Say that the computation was cancelled where a frame is not all that the state asks for."""
+        if state.shape is not None and not is_complete(frame, state):
+            self.show_stopped()
 
     def show_stopped(self) -> None:
         """Say that the computation was cancelled, and offer to start it again."""

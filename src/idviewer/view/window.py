@@ -70,7 +70,7 @@ class MainWindow(QMainWindow):
             (session.changed, self._on_changed),
             (session.frame_ready, self._on_framed),
             (session.failed, self.on_failed),
-            (session.progressed, self.status.show_progress),
+            (session.progressed, self._show_progress),
             (session.opened, self._on_opened),
             (session.prepared, self.status.show_ready),
             (self.health.desk.changed, self._show_modified),
@@ -139,6 +139,11 @@ class MainWindow(QMainWindow):
         self.panel.show_state(self.session.state, frame)
         if self.session.busy and not frame.exact:
             self.status.show_progress(Progress("Refining"))
+
+    def _show_progress(self, progress: Progress | None) -> None:
+        self.status.show_progress(progress)
+        if progress is None and self.session.stopped:  # so it is still, whatever else has ended now
+            self.status.show_rest(self.session.state, self.session.frame)
 
     def on_failed(self, error: BaseException) -> None:
         """Tell the user one line; the log gets the trace too, where the error is ours and not the input's."""
@@ -239,12 +244,7 @@ class MainWindow(QMainWindow):
         if self.viewport.cancel_drag() or not self.session.busy:
             return
         self.session.cancel()
-        state, frame = self.session.state, self.session.frame
-        complete = (
-            frame is not None and frame.exact and (frame.shape, frame.query) == (state.shape, state.query)
-        )
-        if state.shape is not None and not complete:
-            self.status.show_stopped()
+        self.status.show_rest(self.session.state, self.session.frame)
 
     def _show_probe(self, ray: Ray | None) -> None:
         probe = self.session.probe(ray) if ray is not None and not self.health.is_refused_shown else None
