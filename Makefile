@@ -11,10 +11,11 @@ INSTALL := $(PYTHON_IN) -m pip --disable-pip-version-check install --quiet
 MESH ?=
 BENCH_ARGS ?=
 FUZZ_ARGS ?=
+SOAK_ARGS ?=
 PYTEST_ARGS ?=
 FIGURES ?=
 
-.PHONY: help run test check lint test-core test-lowest fuzz bench pictures figures shapes clean system-run system-test
+.PHONY: help run test check lint test-core test-lowest fuzz soak bench pictures figures shapes clean system-run system-test
 
 help: ## this list
 	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  make \1\t\2/p' Makefile | expand -t 18
@@ -42,6 +43,9 @@ test-lowest: system-test $(VENV)/lowest/installed ## core, session and pictures 
 
 fuzz: system-test $(VENV)/installed-test ## read ten thousand damaged files of all kinds (FUZZ_ARGS are passed on); for the night
 	@$(PYTHON_IN) -m tests.fuzz.campaign $(FUZZ_ARGS)
+
+soak: system-test $(VENV)/installed-test ## random events on the window, closes, killed writers (SOAK_ARGS are passed on); for the night
+	@$(PYTHON_IN) -m tests.view.soak $(SOAK_ARGS)
 
 bench: system-test $(VENV)/installed-test ## speed, errors and memory, beside peers and bars: tables, and JSON (BENCH_ARGS are passed on)
 	@$(PYTHON_IN) benchmarks/run.py $(BENCH_ARGS)

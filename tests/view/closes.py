@@ -1,6 +1,6 @@
 """Closing a window in a phase of its work: `python -m tests.view.closes --count 200 --seed 2009`.
 
-Each window is closed when its work has come to a phase, at the first turn of the event loop or some turns later.
+Each window is closed when its work has come to a phase, or a few turns of the event loop later.
 """
 
 from __future__ import annotations
@@ -115,10 +115,7 @@ def small_previews() -> Iterator[None]:
 
 
 def close_in(phase: Callable[[MainWindow], Reached], turns: int) -> bool:
-    """Close a window of its own so many turns of 2 ms after a phase is reached; whether it was, in the middle.
-
-    That all was done before counts as not reached.
-    """
+    """Close a window of its own so many turns of 2 ms after a phase is reached; return whether it was."""
     window = make_window()
     window.resize(700, 500)
     window.show()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import threading
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -27,7 +28,9 @@ class Heard:
         words = vtkStringOutputWindow()
         vtkOutputWindow.SetInstance(words)
         before = qInstallMessageHandler(self._take_message)
-        sys.excepthook = lambda kind, error, _: self.complaints.append(f"{kind.__name__}: {error}")
+        sys.excepthook = lambda kind, error, trace: self.complaints.append(
+            "".join(traceback.format_exception(kind, error, trace))[-1500:]
+        )
         threading.excepthook = lambda told: self.complaints.append(f"thread: {told.exc_value!r}")
         logging.getLogger("idviewer").addHandler(handler)
         try:

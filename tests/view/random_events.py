@@ -30,7 +30,6 @@ from tests.view.polygons import write_star
 from tests.view.windows import pixels_of, write_ellipsoid
 
 from idviewer.core.memory import release_free_memory
-from idviewer.session import is_complete
 from idviewer.view.dialogs import PictureDialog
 from idviewer.view.window import MainWindow
 
@@ -55,14 +54,7 @@ NONSENSE = (
         "𝟙",
     ),
 )
-KEYS = (
-    Qt.Key.Key_Return,
-    Qt.Key.Key_Escape,
-    Qt.Key.Key_Tab,
-    Qt.Key.Key_Up,
-    Qt.Key.Key_PageDown,
-    Qt.Key.Key_Delete,
-)
+KEYS = tuple(Qt.Key[f"Key_{name}"] for name in ("Return", "Escape", "Tab", "Up", "PageDown", "Delete"))
 NOT_TRIGGERED = ("quit",)
 PATIENCE_SECONDS = 300
 
@@ -209,9 +201,10 @@ class RandomEvents:
         state, frame = session.state, session.frame
         if state.shape is None or session.busy:
             return
+        answers = frame is not None and (frame.shape, frame.query) == (state.shape, state.query)
         stage = self.window.status.stage
         told = stage.isVisible() and stage.text() == "Cancelled"
-        if not is_complete(frame, state) and not told:
+        if not answers and not told:
             said = f"{self.window.status.stage.text()!r}, {self.window.messages.text!r}"
             self.heard.complaints.append(f"stale frame at rest ({said}) after {', '.join(self.last)}")
         if not self.window.health.is_refused_shown and not self._is_picture_fresh():
@@ -264,17 +257,20 @@ class RandomEvents:
             name += f" {widget.text()!r}"
             widget.click()
         elif isinstance(widget, QComboBox | QSlider):
+            ways = Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_Home, Qt.Key.Key_End
             for _ in range(self.rng.integers(1, 6)):
-                QTest.keyClick(
-                    widget, self._one((Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_Home, Qt.Key.Key_End))
-                )
+                QTest.keyClick(widget, self._one(ways))
         elif isinstance(widget, QLineEdit | QAbstractSpinBox):
             text = self._one(NONSENSE)
             name += f" {text[:20]!r}"
             widget.setFocus()
-            (widget if isinstance(widget, QLineEdit) else widget.findChild(QLineEdit)).selectAll()
-            QTest.keyClick(widget, Qt.Key.Key_Backspace)
-            QTest.keyClicks(widget, text)
+            field = widget if isinstance(widget, QLineEdit) else widget.findChild(QLineEdit)
+            field.selectAll()
+            if text.isascii() and text.isprintable():
+                QTest.keyClick(widget, Qt.Key.Key_Backspace)
+                QTest.keyClicks(widget, text)
+            else:
+                field.insert(text)  # as from the clipboard; no key has such a character
             QTest.keyClick(widget, self._one((Qt.Key.Key_Return, Qt.Key.Key_Tab)))
         self.last[-1] += f" {name}"
 

@@ -1,13 +1,15 @@
-"""A night of random events on one window: `python -m tests.view.soak --count 10000 --seed 2009`.
+"""A night of harm: `python -m tests.view.soak --count 10000 --closes 200 --kills 1000 --seed 2009`.
 
-Besides what holds for a few events, memory may grow by less than a twentieth from one rest on the same shape,
-when the first events are over, to the last.
+Random events on one window, windows that are closed at their work, and writers that are killed. Besides what
+holds for a few events, memory may grow by less than a twentieth between two rests on the same shape, the first
+when a quarter of the events is over.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import subprocess
 import sys
 import tempfile
 import time
@@ -55,10 +57,28 @@ def play(count: int, seed: int, folder: Path) -> int:
     return 1 if heard.complaints or growth >= GROWTH else 0
 
 
+def do_all(given: argparse.Namespace, folder: Path) -> int:
+    """Closes and kills in processes of their own, then the events; 1 if anything was wrong in any."""
+    others = {
+        "tests.view.closes": ("--count", given.closes),
+        "tests.killed_writers": ("--kills", given.kills),
+    }
+    failed = 0
+    for module, (option, count) in others.items():
+        command = [sys.executable, "-X", "faulthandler", "-m", module, option, str(count)]
+        ended = subprocess.run([*command, "--seed", str(given.seed)], check=False).returncode if count else 0
+        if ended:
+            failed = 1
+            print(f"{module} ended with {ended}", flush=True)
+    return play(given.count, given.seed, folder) | failed if given.count else failed
+
+
 def main() -> int:
     """On the display that there is, or on one made for it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("--closes", type=int, default=200)
+    parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=2009)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
@@ -70,11 +90,11 @@ def main() -> int:
             "LIBGL_ALWAYS_SOFTWARE": "1",
         }
         if "DISPLAY" in os.environ:
-            return play(given.count, given.seed, Path(name))
+            return do_all(given, Path(name))
         from pyvirtualdisplay import Display
 
         with Display(size=(1400, 900)):
-            return play(given.count, given.seed, Path(name))
+            return do_all(given, Path(name))
 
 
 if __name__ == "__main__":
