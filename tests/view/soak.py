@@ -1,8 +1,8 @@
 """A night of harm: `python -m tests.view.soak --count 10000 --closes 200 --kills 1000 --seed 2009`.
 
 Random events on one window, windows that are closed at their work, and writers that are killed. Besides what
-holds for a few events, memory may grow by less than a twentieth between two rests on the same shape, the first
-when a quarter of the events is over.
+holds for a few events, memory may grow by less than a twentieth between two rests on the same shape, the
+first when a quarter of the events is over.
 """
 
 from __future__ import annotations

@@ -7,6 +7,9 @@ from collections.abc import Iterable
 
 from idviewer.core import Plane
 
+MOST_DIGITS = 17
+"""That a float has."""
+
 
 def format_coordinate(value: float, size: float) -> str:
     """A coordinate in six digits, without the noise of a number that is zero against the shape's size.
@@ -16,7 +19,7 @@ def format_coordinate(value: float, size: float) -> str:
     """
     if abs(value) < 1e-7 * size:
         return "0"
-    digits = max(6, math.ceil(math.log10(abs(value) / size)) + 4)
+    digits = min(max(6, math.ceil(math.log10(abs(value)) - math.log10(size)) + 4), MOST_DIGITS)
     return f"{value:.{digits}g}"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -127,6 +128,8 @@ class SourceGroup(QGroupBox):
                     float(edit.text()) if edit in edited or value is None else value
                     for edit, value in zip(self.fields, exact, strict=True)
                 )
+            if not all(map(math.isfinite, (x, y, z))):
+                raise ValueError("infinitely far")
         except ValueError:
             self._calls.complain(f"“{edited[0].text()}” is not a coordinate.")
             self._restore()

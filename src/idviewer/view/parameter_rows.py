@@ -120,7 +120,8 @@ class ParameterRow(QWidget):
         used = default if value is None else value
         multiple = 1.0 if used is None or default is None else used / default
         with QSignalBlocker(self.slider):
-            self.slider.setValue(round(STEPS_PER_DOUBLING * math.log2(multiple)))
+            doublings = 0.0 if used is None or default is None else math.log2(used) - math.log2(default)
+            self.slider.setValue(round(STEPS_PER_DOUBLING * doublings))  # a quotient may leave the floats
         self.multiple.setText("" if default is None else f"= {multiple:.3g} {self._parameter.symbol}₀")
         self._shown = "" if used is None else f"{used:.6g}"
         if not self.field.isModified():
