@@ -114,11 +114,17 @@ def test_typing_one_coordinate_keeps_the_others_exact(recorder: Recorder) -> Non
     assert recorder.calls == [{"source": (0.5, 2 / 3, 1 / 7)}]
 
 
-def test_what_is_no_number_is_refused_in_words(recorder: Recorder) -> None:
-    write(recorder.panel.source.fields[2], "middle")
+@pytest.mark.parametrize("text", ["middle", "inf", "1e400", "nan"])
+def test_what_is_no_number_is_refused_in_words(recorder: Recorder, text: str) -> None:
+    write(recorder.panel.source.fields[2], text)
     assert not recorder.calls
-    assert "middle" in recorder.complaints[0]
+    assert text in recorder.complaints[0]
     assert recorder.panel.source.fields[2].text() == "0.3"
+
+
+def test_a_source_almost_out_of_the_range_of_floats_is_shown(recorder: Recorder) -> None:
+    recorder.set(source=(1e308, 0.0, -1e-308))
+    assert [edit.text() for edit in recorder.panel.source.fields] == ["1e+308", "0", "0"]
 
 
 def test_the_barycentroid_becomes_the_source(recorder: Recorder) -> None:
