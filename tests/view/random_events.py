@@ -207,8 +207,8 @@ class RandomEvents:
         if not answers and not told:
             said = f"{self.window.status.stage.text()!r}, {self.window.messages.text!r}"
             self.heard.complaints.append(f"stale frame at rest ({said}) after {', '.join(self.last)}")
-        if not self.window.health.is_refused_shown and not self._is_picture_fresh():
-            self.heard.complaints.append(f"stale picture at rest after {', '.join(self.last)}")
+        if not self.window.health.is_refused_shown and (stale := self._stale_pixels()):
+            self.heard.complaints.append(f"stale picture at rest ({stale}) after {', '.join(self.last)}")
 
     def open_and_rest(self, path: Path) -> int:
         """Open a file with what is asked of it by default, and return the memory used then, in bytes."""
@@ -221,15 +221,16 @@ class RandomEvents:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
-    def _is_picture_fresh(self) -> bool:
-        """Whether the picture stays as it is when all of it is shown anew."""
+    def _stale_pixels(self) -> str:
+        """Which pixels change when all of the picture is shown anew, in words; empty where none do."""
         viewport, session = self.window.viewport, self.window.session
         before = pixels_of(self.window)
         viewport.show_frame(None)
         viewport.show_state(session.state)
         viewport.show_frame(session.frame)
         QTest.qWait(20)
-        return np.array_equal(before, pixels_of(self.window))
+        y, x = np.nonzero((before != pixels_of(self.window)).any(axis=2))
+        return f"{len(x)} pixels, {x.min()}-{x.max()} x {y.min()}-{y.max()}" if len(x) else ""
 
     # What events share
 
