@@ -1,4 +1,4 @@
-"""The Open dialog offers what can be read."""
+"""The Open dialog offers what can be read; the picture dialog asks for a name."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import QSize
 from PySide6.QtWidgets import QWidget
 from pytestqt.qtbot import QtBot
 
 from idviewer.core import ShapeError, read_shape
 from idviewer.core.io import readable_suffixes
-from idviewer.view.dialogs import open_dialog
+from idviewer.view.dialogs import PictureDialog, PictureRequest, open_dialog
 
 
 @pytest.fixture
@@ -39,3 +40,18 @@ def test_the_readers_name_usual_ones_among_them(filters: dict[str, set[str]], tm
     usual = set(named.split(", "))
     assert usual <= filters["Shapes"]
     assert {".off", ".stl", ".3mf", ".svg"} <= usual
+
+
+@pytest.mark.parametrize("text", ["", "  ", "/", "..", "pictures/.."])
+def test_without_a_name_the_picture_dialog_goes_on_asking(qtbot: QtBot, text: str) -> None:
+    dialog = PictureDialog(QSize(100, 80), Path("a.png"))
+    qtbot.addWidget(dialog)
+    chosen: list[PictureRequest] = []
+    dialog.chosen.connect(chosen.append)
+    dialog.show()
+    dialog.path.setText(text)
+    dialog.accept()
+    assert dialog.isVisible()
+    dialog.path.setText("~nobody_at_all/b")
+    dialog.accept()
+    assert [request.path for request in chosen] == [Path("~nobody_at_all/b.png")]

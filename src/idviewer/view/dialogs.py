@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -88,6 +89,7 @@ class PictureDialog(QDialog):
         form.addRow("File", name)
         form.addRow(self.buttons)
         self.path.setMinimumWidth(320)
+        self.path.setPlaceholderText("name a file")
 
     def _show_size(self) -> None:
         size = self.size_choice.currentData()
@@ -109,8 +111,14 @@ class PictureDialog(QDialog):
         dialog.open()
 
     def accept(self) -> None:
-        """Emit the choice; a name without an ending gets .png."""
-        path = Path(self.path.text().strip()).expanduser()
+        """Emit the choice; a name without an ending gets .png. Where no file is named, go on asking."""
+        path = Path(self.path.text().strip())
+        with suppress(RuntimeError):  # of a user who has no home
+            path = path.expanduser()
+        if path.name in ("", ".."):
+            self.path.setFocus()
+            self.path.selectAll()
+            return
         if not path.suffix:
             path = path.with_suffix(".png")
         size = (self.width_box.value(), self.height_box.value())
