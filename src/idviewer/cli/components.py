@@ -199,12 +199,11 @@ def _owners(shapes: Sequence[Shape], source: str) -> list[Shape]:
 
 
 def _is_inside(shape: Shape, point: parsing.Point) -> bool:
-    from idviewer.core import Mesh
-    from idviewer.core.shapes import Ray, crossings
+    """As everywhere: a point that rounding put just outside is on the surface."""
+    from idviewer.core import MeanValueCoordinates
+    from idviewer.core.interior import place_points
 
-    assert isinstance(shape, Mesh)
-    x, y, z = point
-    return len(crossings(shape, Ray((x, y, z), (0.36, 0.58, 0.73))).distances) % 2 == 1
+    return len(place_points(MeanValueCoordinates(shape), [point]).outside) == 0
 
 
 def _head(solver: InteriorDistance) -> dict[str, Any]:
