@@ -14,8 +14,6 @@ from idviewer.core.io.degrees import projected, system_is_degrees, why_lengths
 from idviewer.core.io.outlines import Outline, chosen_outline
 from idviewer.core.io.text import UnreadableError
 
-POLYGON_TYPES = ("Polygon", "MultiPolygon")
-COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 NAME_PROPERTIES = ("name", "title", "label", "id")
 """Properties that name a feature, in any case of letters, the first that there is."""
 

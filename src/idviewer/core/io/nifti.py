@@ -15,7 +15,6 @@ from idviewer.core.validation.polygon_soup import PolygonSoup
 
 NIFTI_UNITS = {"mm": "mm", "micron": "um", "meter": "m"}
 _NIFTI_HEADERS = {348: "Nifti1Image", 540: "Nifti2Image"}
-_MGH_HEADER = 284
 
 
 def read_nifti(source: FileSource) -> Contents[PolygonSoup]:
