@@ -7,7 +7,8 @@ import pytest
 from tests.core.overlapping_bodies import OVERLAPPING
 from tests.core.test_mean_value import winding_numbers
 
-from idviewer.core import Mesh, MeshError, unite_mesh
+from idviewer.core import Mesh, MeshError, Repairs, repair_mesh, unite_mesh
+from idviewer.core.shapes import RawBody
 
 UNITED = [name for name in OVERLAPPING if name != "spindle torus"]
 
@@ -47,6 +48,22 @@ def test_what_cannot_be_taken_apart_is_refused_in_one_line() -> None:
     with pytest.raises(MeshError, match=r"cannot be united .* near .*; mend it in a mesh editor") as caught:
         unite_mesh(OVERLAPPING["spindle torus"])
     assert "\n" not in str(caught.value)
+
+
+def test_a_repair_that_cannot_take_all_apart_says_so() -> None:
+    outcome = RawBody.of(Mesh(*OVERLAPPING["spindle torus"])).repaired(Repairs(unite=True))
+    left = len(outcome.mesh.self_intersections)
+    (told,) = [record.sentence for record in outcome.records if record.name == "unite"]
+    assert left > 0
+    assert f"{left:,} pairs of faces cross each other still" in told
+
+
+def test_notes_tell_of_crossing_faces_only_as_long_as_there_are_some() -> None:
+    mesh = repair_mesh(*OVERLAPPING["bent tube"])
+    assert any("cross each other" in note for note in mesh.notes)
+    made = RawBody.of(mesh).repaired(Repairs(unite=True)).mesh
+    for united in (unite_mesh(mesh).mesh, made):
+        assert not any("cross each other" in note for note in united.notes)
 
 
 def test_a_body_that_does_not_overlap_stays_as_it_is() -> None:

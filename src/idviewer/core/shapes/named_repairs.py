@@ -114,6 +114,8 @@ def _unite(surface: Surface, _: bool) -> tuple[Surface, RepairRecord]:
         f"Unite parts: {parts}, "
         f"volume {united.before:.6g} (what is covered twice counted twice) becomes {united.after:.6g}"
     )
+    if united.crossing:
+        sentence += f", and {united.crossing:,} pairs of faces cross each other still"
     came_from = np.full(len(united.vertices), -1)
     distance, nearest = cKDTree(report.vertices).query(united.vertices)
     same = distance <= 1e-12 * report.size

@@ -54,8 +54,10 @@ class RawBody:
 
     @classmethod
     def of(cls, mesh: Mesh) -> RawBody:
-        """The polygons of a mesh, which are all right."""
-        return cls(PolygonSoup.of(mesh.vertices, mesh.faces), mesh.name, mesh.notes, mesh.unit)
+        """The polygons of a mesh, which are all right. That faces cross is told anew, as long as they do."""
+        crossing = mesh.self_intersections.finding.note if mesh.self_intersections else None
+        notes = tuple(note for note in mesh.notes if note != crossing)
+        return cls(PolygonSoup.of(mesh.vertices, mesh.faces), mesh.name, notes, mesh.unit)
 
     def repaired(self, repairs: Repairs = NO_REPAIRS) -> RepairOutcome:
         """Make the repairs, and then those that need no asking."""
@@ -209,7 +211,7 @@ class RepairOutcome:
                 raise MeshError.from_report(again, source)
             again.numbering = report.numbering
             report = again
-        notes = (*self.notes, *(finding.note for finding in findings))
+        notes = tuple(dict.fromkeys((*self.notes, *(finding.note for finding in findings))))
         return Mesh.from_report(report, self.body.name, notes).with_labels(unit=self.body.unit)
 
 

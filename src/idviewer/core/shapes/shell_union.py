@@ -8,7 +8,7 @@ import manifold3d
 import numpy as np
 
 from idviewer.core.arrays import Floats, Ints
-from idviewer.core.shapes.solid_parts import simple_parts
+from idviewer.core.shapes.solid_parts import crossings_of, simple_parts
 from idviewer.core.validation.soup_repairs import volume_and_area, without_unused_vertices
 from idviewer.core.validation.topology import Topology
 
@@ -23,6 +23,7 @@ class ShellUnion(NamedTuple):
         left: how many there are.
         before: the sum of the shells' volumes.
         after: the volume of the union.
+        crossing: how many pairs of faces cross each other still, where no cut took a shell apart.
     """
 
     vertices: Floats
@@ -31,6 +32,7 @@ class ShellUnion(NamedTuple):
     left: int
     before: float
     after: float
+    crossing: int
 
 
 def unite_shells(vertices: Floats, faces: Ints) -> ShellUnion | None:
@@ -74,4 +76,5 @@ def unite_shells(vertices: Floats, faces: Ints) -> ShellUnion | None:
     corners = np.asarray(mesh.tri_verts).astype(np.int64)
     scale = size**3
     left = Topology(corners, len(points)).components[0]
-    return ShellUnion(points, corners, number, left, volume * scale, united.volume() * scale)
+    crossing = len(crossings_of(united))
+    return ShellUnion(points, corners, number, left, volume * scale, united.volume() * scale, crossing)

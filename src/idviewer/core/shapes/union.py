@@ -102,5 +102,6 @@ def unite_mesh(mesh: MeshLike) -> Union:
     vertices = np.asarray(made.vert_properties)[:, :3] * unit + mesh.centre
     faces = np.asarray(made.tri_verts).astype(np.int64)
     result = repair_mesh(vertices, faces, mesh.name)
-    result = result.with_labels(notes=(*mesh.notes, *result.notes), unit=mesh.unit)
+    kept = [note for note in mesh.notes if note != mesh.self_intersections.finding.note]
+    result = result.with_labels(notes=(*kept, *result.notes), unit=mesh.unit)
     return Union(result, before, Sizes.of(result))
