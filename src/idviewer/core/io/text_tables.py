@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 import re
 from dataclasses import dataclass
 
-from idviewer.core.io.text import UnreadableError
+from idviewer.core.io.text import UnreadableError, as_text
 
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eEdD][+-]?[0-9]+)?")
 """A number as printed; Fortran's D stands for E."""
@@ -20,12 +19,6 @@ NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity|1\.#\S+)", re.IGNORECASE)
 
 REMARK = re.compile(r"(?:^|\s)(?:#|%|//).*")
 """A remark: at the beginning of a line, or behind a blank."""
-
-BYTE_ORDER_MARKS = {
-    codecs.BOM_UTF8: "utf-8",
-    codecs.BOM_UTF16_LE: "utf-16-le",
-    codecs.BOM_UTF16_BE: "utf-16-be",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +60,7 @@ class TextTable:
 
 
 def text_of(data: bytes) -> str:
-    r"""Decode text: UTF-8 or UTF-16 by its mark or its zeros, else the Western code page of Windows.
+    r"""Decode text: Unicode, see `as_text`, else the Western code page of Windows.
 
     Args:
         data: of the file.
@@ -78,27 +71,11 @@ def text_of(data: bytes) -> str:
     >>> text_of("x;y\n".encode("utf-16")), text_of("größe".encode("cp1252"))
     ('x;y\n', 'größe')
     """
-    for mark, encoding in BYTE_ORDER_MARKS.items():
-        if data.startswith(mark):
-            return _decoded(data[len(mark) :], encoding)
-    if data[1:2] == b"\0" or data[:1] == b"\0":
-        return _decoded(data, "utf-16-le" if data[1:2] == b"\0" else "utf-16-be")
-    if b"\0" in data:
-        raise UnreadableError("it holds binary data, not text")
+    text = as_text(data)
     try:
-        return data.decode("utf-8")
+        return text.decode("utf-8")
     except UnicodeDecodeError:
-        return data.decode("cp1252", errors="replace")  # only names of columns and rows can be affected
-
-
-def _decoded(data: bytes, encoding: str) -> str:
-    try:
-        text = data.decode(encoding)
-    except UnicodeDecodeError:
-        raise UnreadableError("it holds binary data, not text") from None
-    if "\0" in text:
-        raise UnreadableError("it holds binary data, not text")
-    return text
+        return text.decode("cp1252", errors="replace")  # only names of columns and rows can be affected
 
 
 def table_of(text: str) -> TextTable:
