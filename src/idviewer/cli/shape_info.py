@@ -69,16 +69,14 @@ def _of_mesh(
     name: str, path: Path, choice: BodyChoice, repairs: Repairs, refine: Refine
 ) -> tuple[dict[str, Any], str, bool]:
     """What JSON and words tell of a mesh, or of one of its components, and whether it can be used."""
-    from idviewer.core import read_shape
-    from idviewer.core.io import inspect_file
+    from idviewer.core.io import read_body
 
-    component = parsing.component_of(choice.component)
-    diagnosis = inspect_file(path, choice.part, repairs, component)
+    outcome = read_body(path, parsing.component_of(choice.component), choice.part).repaired(repairs)
+    diagnosis = outcome.diagnosis
     content: dict[str, Any] = {}
     lines: tuple[tuple[str, str], ...] = ()
     if diagnosis.usable:
-        shape = read_shape(path, component, part=choice.part, repairs=repairs)
-        content, lines = discretisation.of_shape(shape, refine)
+        content, lines = discretisation.of_shape(outcome.mesh_from(str(path)), refine)
     return {**diagnosis.as_dict(), **content}, _report(name, diagnosis, lines), diagnosis.usable
 
 
