@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from tests.core import meshfiles, shapes
 from tests.core.meshfiles import outcome, refusal, write
 
+from idviewer.core.io.atomic_write import atomic_path
 from idviewer.core.io.formats import readable_suffixes
 from idviewer.core.io.meshes import read_mesh
 from idviewer.core.shapes.mesh import Mesh, MeshError
@@ -169,3 +170,9 @@ def test_the_cause_of_a_parser_s_stumble_is_kept_for_the_log(tmp_path):
     with pytest.raises(MeshError) as caught:
         read_mesh(path)
     assert isinstance(caught.value.__cause__, KeyError)
+
+
+def test_a_name_that_no_file_can_have_is_an_error_of_the_system(tmp_path):
+    with pytest.raises(OSError, match="no file can have this name"), atomic_path(tmp_path / "a\0b.png"):
+        pass
+    assert not list(tmp_path.iterdir())

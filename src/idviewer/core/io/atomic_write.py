@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import time
@@ -31,7 +32,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         path: of the file to be; its folder must exist.
 
     Raises:
-        OSError: it cannot be renamed.
+        OSError: it cannot be renamed, or no file can have such a name.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as name:
@@ -41,6 +42,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     ['result.csv']
     """
     path = Path(path)
+    if "\0" in str(path):
+        raise OSError(errno.EINVAL, "no file can have this name", str(path).replace("\0", "?"))
     _remove_abandoned(path.parent.absolute())
     part = path.with_name(f".{path.name}.{uuid4().hex}{PART_SUFFIX}")
     try:
