@@ -208,6 +208,19 @@ def test_the_handle_is_pointed_out_under_the_mouse(mouse: Mouse, window: MainWin
     assert viewport.cursor().shape() == Qt.CursorShape.ArrowCursor
 
 
+def test_a_handle_that_leaves_a_mouse_at_rest_is_not_pointed_out(
+    qtbot: QtBot, mouse: Mouse, window: MainWindow
+) -> None:
+    """Also where no frame follows."""
+    viewport = window.viewport
+    mouse.move(viewport, *grip(viewport, Part.MOVE))
+    assert viewport.cursor().shape() == Qt.CursorShape.SizeAllCursor
+    window.session.set(handle=False)
+    qtbot.waitUntil(lambda: viewport.cursor().shape() == Qt.CursorShape.ArrowCursor)
+    window.session.set(handle=True)
+    qtbot.waitUntil(lambda: viewport.cursor().shape() == Qt.CursorShape.SizeAllCursor)
+
+
 def test_a_hidden_handle_cannot_be_grabbed(mouse: Mouse, window: MainWindow) -> None:
     viewport, session = window.viewport, window.session
     x, y = grip(viewport, Part.TURN)

@@ -185,6 +185,8 @@ class Viewport(QWidget):
         handle = self.handle
         if handle is not None:
             self._handle.place(handle)
+        if self._mouse is None and self._mouse_position is not None:  # what moved may be the handle
+            self._highlight(self._hit_at(self._mouse_position))
 
     # The mouse
 
