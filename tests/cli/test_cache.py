@@ -45,6 +45,7 @@ class TestCache:
         assert run(verb[0], body, *verb[1:]) == first
         assert first.status == 0
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("verb", VERBS)
     def test_no_cache_neither_reads_nor_writes(
         self, run: Run, body: str, folder: Path, verb: tuple[str, ...]
@@ -57,6 +58,7 @@ class TestCache:
         assert run(verb[0], body, *verb[1:], "--no-cache") == first
         assert path.read_text() == "damaged"
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("verb", VERBS)
     def test_damage_is_told(self, run: Run, body: str, folder: Path, verb: tuple[str, ...]) -> None:
         run("barycentroid", body)

@@ -47,6 +47,7 @@ def matrix_in(text: str) -> tuple[list[str], np.ndarray]:
     return header[1:], np.array([[float(cell) for cell in row[1:]] for row in rows])
 
 
+@pytest.mark.slow
 def test_results_of_a_folder(run: Run, results: Path) -> None:
     answer = run("compare", "results", "--picture", "tree.png", "--with-size")
     assert answer.status == 1
@@ -63,6 +64,7 @@ def test_results_of_a_folder(run: Run, results: Path) -> None:
     assert np.mean(pixels < 128) > 1e-3
 
 
+@pytest.mark.slow
 def test_one_part_and_all(run: Run, results: Path) -> None:
     files = [f"results/{name}.json" for name in ("square", "oblong")]
     told = json.loads(run("compare", *files, "--json").out)
@@ -98,6 +100,7 @@ def test_groups_are_those_of_the_mean_difference() -> None:
     assert found[:, 2:].tolist() == [[2.0, 2.0], [8.0, 3.0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
@@ -134,6 +137,7 @@ def test_what_cannot_be_compared(
         assert answer.status == 2
 
 
+@pytest.mark.slow
 def test_same_names_are_told_apart(run: Run, results: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy.json"
     copy.write_text((results / "square.json").read_text())

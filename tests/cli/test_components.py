@@ -60,6 +60,7 @@ class TestComponents:
         ]
         assert listed[0]["volume"] == pytest.approx(7.0)
 
+    @pytest.mark.slow
     def test_info_of_one_and_of_each(self, run: Run, three: str) -> None:
         assert json.loads(run("info", three, "--component", "3", "--json").out)["volume"] == pytest.approx(
             0.125
@@ -142,6 +143,7 @@ def test_one_frame_keeps_its_scale() -> None:
 
 
 class TestParts:
+    @pytest.mark.slow
     def test_all_labels_of_a_volume_each_on_its_own(self, run: Run, tmp_path: Path) -> None:
         voxels = np.zeros((9, 6, 6), np.uint8)
         voxels[1:4, 1:4, 1:4], voxels[5:8, 1:5, 1:5] = 3, 7

@@ -112,6 +112,7 @@ class TestParameters:
             assert answer.status == 0
             assert part in answer.out
 
+    @pytest.mark.slow
     def test_many_points_by_sparse_solves(self, run: Run, body: str, table: Callable[[str], str]) -> None:
         points = table("0,0,0\n0.5,0,1\n")
         told = json.loads(

@@ -12,16 +12,19 @@ from tests.cli.commands import Run, refused
 
 
 class TestInfo:
+    @pytest.mark.slow
     def test_a_good_mesh(self, run: Run, body: str) -> None:
         answer = run("info", body)
         assert (answer.status, answer.err) == (0, "")
         assert "662" in answer.out
         assert "usable          yes" in answer.out
 
+    @pytest.mark.slow
     def test_a_good_mesh_as_json(self, run: Run, body: str) -> None:
         told = json.loads(run("info", body, "--json").out)
         assert (told["usable"], told["vertices"], told["genus"], told["findings"]) == (True, 662, 0, [])
 
+    @pytest.mark.slow
     def test_wide_angles_and_what_is_done_about_them_are_told(self, run: Run, tmp_path: Path) -> None:
         shape = trimesh.creation.icosphere(subdivisions=3)
         shape.apply_scale([1, 1, 6])

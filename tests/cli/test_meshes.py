@@ -40,6 +40,7 @@ class TestMeshes:
         name = sample_names()[0]
         assert f"did you mean {name}?" in refused(run("info", name + "x"))
 
+    @pytest.mark.slow
     def test_bundled_shapes_by_name(self, run: Run) -> None:
         names = [line.split()[0] for line in run("samples").out.splitlines()]
         assert names == list(sample_names())

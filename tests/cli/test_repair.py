@@ -33,6 +33,7 @@ def torn(tmp_path: Path) -> str:
     return str(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["ply", "off", "obj", "stl"])
 def test_what_is_written_is_watertight_for_another_library(run: Run, gap: str, suffix: str) -> None:
     answer = run("repair", gap, f"whole.{suffix}", "--weld", "1e-4")

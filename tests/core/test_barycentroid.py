@@ -37,6 +37,7 @@ class Counted:
         return values + self._rng.uniform(-self.noise, self.noise, len(points))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, TOLERANCE])
 def test_a_scout_leads_to_the_same_point_sooner(solver, share):
     alone, led, surrogate = (
@@ -49,6 +50,7 @@ def test_a_scout_leads_to_the_same_point_sooner(solver, share):
     assert led.count < 0.6 * alone.count
 
 
+@pytest.mark.slow
 def test_where_a_scout_sees_too_little_it_is_not_followed(solver):
     """After a long time the potential is nearly 0 along a valley, and the tolerance hides its floor."""
     late = solver.with_distance(Diffusion(time=30 / (8 * solver.spectrum.values[0])))

@@ -75,6 +75,7 @@ def test_vertices_are_found_again_after_faces_without_area_went():
     assert_found_again(mesh, vertices, dropped=[middle + 1])
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=25, deadline=None)
 def test_several_repairs_at_once_are_followed(seed):

@@ -142,6 +142,7 @@ def test_one_eigenvalue_of_many_copies_takes_several_spaces():
     np.testing.assert_allclose(found.vectors.T @ found.vectors, np.eye(30), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_null_space_other_than_constants_is_left_out():
     """Signs turned at some vertices: L maps a function of values 1 and -1 to zero."""
     laplacian, masses = operator_of(MESH)
@@ -167,6 +168,7 @@ def test_arrays_are_called_as_the_mesh():
     np.testing.assert_array_equal(by_arrays.vectors, by_mesh.vectors)
 
 
+@pytest.mark.slow
 def test_an_operator_of_one_s_own_makes_a_distance():
     spectrum = eigenpairs(*operator_of(MESH), 60)
     points = 0.9 * MESH.vertices[:2] + 0.1 * MESH.vertices[:2].mean(axis=0)
@@ -177,6 +179,7 @@ def test_an_operator_of_one_s_own_makes_a_distance():
     )
 
 
+@pytest.mark.slow
 def test_matrices_given_are_not_changed():
     laplacian, masses = operator_of(MESH)
     laplacian = sparse.csc_array(laplacian + sparse.csc_array(laplacian.shape))

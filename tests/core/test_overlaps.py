@@ -219,6 +219,7 @@ def test_the_outline_of_what_is_covered() -> None:
     assert nothing.loops == ()
 
 
+@pytest.mark.slow
 @NAMES
 @pytest.mark.parametrize("rtol", [0.0, 1e-3])
 def test_slices_have_values_where_there_are_some_and_carry_negativity(name: str, rtol: float) -> None:
@@ -258,6 +259,7 @@ def test_distances_exceed_the_boundarys_by_no_more_than_negativity_explains(name
     assert (bound > negativity[given] - 0.05).all()
 
 
+@pytest.mark.slow
 def test_bodies_that_do_not_overlap_lose_no_values_and_tell_their_negativity() -> None:
     hand = read_mesh(sample_path("hand_2k"))
     solver = InteriorDistance(hand, Euclidean())
@@ -272,6 +274,7 @@ def test_bodies_that_do_not_overlap_lose_no_values_and_tell_their_negativity() -
     assert solver.coordinates.undefined == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["shepard", "maximum_entropy"])
 def test_coordinates_that_are_never_negative_say_so(kind: str) -> None:
     solver = InteriorDistance(body("bent tube"), Euclidean(), kind)

@@ -64,6 +64,7 @@ def test_the_same_points_come_out_of_every_table(kind, encoding):
             assert float(row[column].replace(",", ".").replace("D", "e")) == value
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 2), min_size=1, max_size=6),
     st.sampled_from([(",", "."), (";", ","), ("\t", ","), (" ", "."), (" ", ","), (";", ".")]),

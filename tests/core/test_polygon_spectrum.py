@@ -93,6 +93,7 @@ def test_the_iterative_solver_agrees_with_the_dense_one(polygon, monkeypatch):
     )  # falls back on dense
 
 
+@pytest.mark.slow
 def test_eigenvalues_of_a_circle_converge_at_second_order():
     """k^2 comes twice on a circle of radius 1."""
     expected = np.repeat(np.arange(1.0, 6.0) ** 2, 2)

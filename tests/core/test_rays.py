@@ -74,6 +74,7 @@ def crossings_of_all_faces(mesh: Mesh, ray: Ray) -> list[float]:
     return sorted(found)
 
 
+@pytest.mark.slow
 def test_distances_are_those_of_a_slow_twin(rng):
     mesh = Mesh(*shapes.torus())
     for target in targets(mesh, rng, 60)[:60]:

@@ -103,6 +103,7 @@ def test_the_paper_s_cut_off_keeps_modes_above_one_millionth():
     assert np.exp(-paper_cutoff(0.37) / (8 * 0.37)) == pytest.approx(1e-6)
 
 
+@pytest.mark.slow
 def test_size_scales_the_spectrum():
     mesh = Mesh(*shapes.torus(40, 24))
     plain = eigenpairs(mesh, cutoff=lambda lambda_2: 10 * lambda_2)

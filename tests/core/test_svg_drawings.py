@@ -84,6 +84,7 @@ def test_uses_and_drawings_in_drawings_lie_where_they_are_drawn(tmp_path, body, 
     np.testing.assert_allclose(shape.bounds.ravel(), bounds, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_old_links_and_uses_of_uses_end(tmp_path):
     body = '<defs><rect id="r" width="2" height="1"/></defs><use xlink:href="#r"/>'
     assert read(tmp_path, body, XLINK).area == 2.0

@@ -44,12 +44,14 @@ def test_size_and_place_do_not_matter() -> None:
         assert united.mesh.volume / size**3 == pytest.approx(8.0592, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_taken_apart_is_refused_in_one_line() -> None:
     with pytest.raises(MeshError, match=r"cannot be united .* near .*; mend it in a mesh editor") as caught:
         unite_mesh(OVERLAPPING["spindle torus"])
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_repair_that_cannot_take_all_apart_says_so() -> None:
     outcome = RawBody.of(Mesh(*OVERLAPPING["spindle torus"])).repaired(Repairs(unite=True))
     left = len(outcome.mesh.self_intersections)

@@ -106,6 +106,7 @@ def test_other_frames_follow_from_it(seen):
         np.testing.assert_allclose(one.slices[0].values, other.slices[0].values, rtol=0, atol=atol)
 
 
+@pytest.mark.slow
 def test_other_eigenvectors_do_not_use_it(copy):
     (path,) = (path for path in list(copy.folder.iterdir()) if path != opening_of(copy))
     spectrum = copy.lookup(MESH, Diffusion().cutoff)
@@ -115,6 +116,7 @@ def test_other_eigenvectors_do_not_use_it(copy):
     assert SEARCHING not in stages(view(copy, stop=True)[0])
 
 
+@pytest.mark.slow
 def test_damage_is_remarked_once_and_mended(copy):
     path = opening_of(copy)
     content = path.read_bytes()

@@ -160,6 +160,7 @@ def test_preparation_goes_on_where_a_replaced_request_left_it():
     assert isinstance(later[-1], Frame)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "work",
     [
